@@ -1,0 +1,3 @@
+//! Twinrotor's control core.
+#![no_std]
+#![forbid(unsafe_code)]
