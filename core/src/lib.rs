@@ -51,6 +51,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod lanes;
 pub mod real;
 pub mod trig;
 

@@ -38,7 +38,9 @@ pub trait Real:
     /// What a comparison gives.
     type Mask: Mask;
     /// The number in one lane; `Self` for a plain number.
-    type Scalar: Real<Scalar = Self::Scalar, Mask = bool>;
+    type Scalar: Real<Scalar = Self::Scalar, Mask = bool> + Into<f64>;
+    /// How many numbers are computed side by side.
+    const LANES: usize;
 
     /// The nearest representable number. Constants and gains enter this way and never by way of `f32`,
     /// which alone would cost 1e-8 rad in an `f64` run.
@@ -47,6 +49,8 @@ pub trait Real:
     fn from_i32(value: i32) -> Self;
     /// The same number in every lane.
     fn splat(value: Self::Scalar) -> Self;
+    /// The number in lane `index`, which is below [`Real::LANES`]; an index beyond wraps around.
+    fn lane(self, index: usize) -> Self::Scalar;
 
     /// Magnitude.
     fn abs(self) -> Self;
@@ -129,6 +133,7 @@ macro_rules! scalar {
         impl Real for $float {
             type Mask = bool;
             type Scalar = Self;
+            const LANES: usize = 1;
 
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
@@ -141,6 +146,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn splat(value: Self) -> Self {
                 value
+            }
+            #[inline(always)]
+            fn lane(self, _index: usize) -> Self {
+                self
             }
             #[inline(always)]
             fn abs(self) -> Self {
