@@ -37,11 +37,7 @@ pub struct Allocator<R> {
 impl<R: Real> Allocator<R> {
     /// For thrust gains K [N m/V] with a determinant other than zero, and volts within ±`limit`.
     pub fn new(effectiveness: Effectiveness<R>, limit: PerMotor<R>) -> Self {
-        Self {
-            effectiveness,
-            inverse_determinant: R::one() / effectiveness.determinant(),
-            limit,
-        }
+        Self { effectiveness, inverse_determinant: R::one() / effectiveness.determinant(), limit }
     }
 
     /// \[V\] The limits.
@@ -67,9 +63,7 @@ impl<R: Real> Allocator<R> {
     #[inline(always)]
     pub fn allocate(&self, demand: PerMotor<R>) -> Allocation<R> {
         let sound = demand.main.is_finite() & demand.tail.is_finite();
-        let volts = demand.zip(self.limit, |v, limit| {
-            R::select(sound, v.clamp(-limit, limit), R::zero())
-        });
+        let volts = demand.zip(self.limit, |v, limit| R::select(sound, v.clamp(-limit, limit), R::zero()));
         let missing = self.effectiveness.torque(demand.minus(volts));
         Allocation {
             volts,
