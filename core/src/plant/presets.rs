@@ -50,6 +50,8 @@ pub struct Motor {
     pub resistance: f64,
     /// \[V s/rad\] Back-EMF constant, numerically also N m/A.
     pub back_emf: f64,
+    /// \[N m s/rad\] Torque that the turning propeller takes for each rad/s.
+    pub drag: f64,
     /// \[A\] Most for an instant.
     pub peak_current: f64,
     /// \[A\] Most for long.
@@ -71,10 +73,12 @@ const NO_EFFECTIVENESS: Effectiveness<f64> = Effectiveness {
     tail_on_yaw: 0.0,
 };
 
-/// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous).
+/// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous; propeller
+/// drag 8e-5 N m s/rad).
 const AERO_MOTOR: Motor = Motor {
     resistance: 8.4,
     back_emf: 0.042,
+    drag: 8e-5,
     peak_current: 2.0,
     continuous_current: 0.5,
 };
@@ -285,6 +289,7 @@ impl Rig {
         };
         positive("motor.resistance", motor.resistance)?;
         positive("motor.back_emf", motor.back_emf)?;
+        not_negative("motor.drag", motor.drag)?;
         positive("motor.peak_current", motor.peak_current)?;
         positive("motor.continuous_current", motor.continuous_current)
     }
