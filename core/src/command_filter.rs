@@ -35,9 +35,7 @@ pub struct CommandFilter<R> {
 impl<R: Real> FilterSettings<R> {
     /// Each number through `f`.
     pub fn map<U>(self, f: impl FnMut(R) -> U) -> FilterSettings<U> {
-        FilterSettings {
-            bandwidth: self.bandwidth.map(f),
-        }
+        FilterSettings { bandwidth: self.bandwidth.map(f) }
     }
 }
 
@@ -47,11 +45,7 @@ impl<R: Real<Mask = bool>> FilterSettings<R> {
     /// # Errors
     /// Names the field.
     pub fn validate(&self) -> Result<(), Invalid<R>> {
-        both(
-            ["filter.bandwidth.pitch", "filter.bandwidth.yaw"],
-            self.bandwidth,
-            positive,
-        )
+        both(["filter.bandwidth.pitch", "filter.bandwidth.yaw"], self.bandwidth, positive)
     }
 }
 
@@ -64,11 +58,7 @@ impl<R: Real> CommandFilter<R> {
             stiffness: settings.bandwidth.map(|w| w * w * w),
             damping: settings.bandwidth.map(|w| three * (w * w)),
             following: settings.bandwidth.map(|w| three * w),
-            step: [
-                sample_time,
-                square * R::from_f64(0.5),
-                square * sample_time * R::from_f64(1.0 / 6.0),
-            ],
+            step: [sample_time, square * R::from_f64(0.5), square * sample_time * R::from_f64(1.0 / 6.0)],
             now: Reference::at_rest(angle),
         }
     }
@@ -83,12 +73,9 @@ impl<R: Real> CommandFilter<R> {
         let jerk = pull.plus(damp).plus(follow);
         let [t, half_square, sixth_cube] = self.step;
         self.now = Reference {
-            angle: now.angle.plus(
-                now.rate
-                    .scaled(t)
-                    .plus(now.accel.scaled(half_square))
-                    .plus(jerk.scaled(sixth_cube)),
-            ),
+            angle: now
+                .angle
+                .plus(now.rate.scaled(t).plus(now.accel.scaled(half_square)).plus(jerk.scaled(sixth_cube))),
             rate: now.rate.plus(now.accel.scaled(t).plus(jerk.scaled(half_square))),
             accel: now.accel.plus(jerk.scaled(t)),
         };
@@ -104,9 +91,7 @@ mod tests {
     const T: f64 = 1e-3;
 
     fn filter(bandwidth: f64) -> CommandFilter<f64> {
-        let settings = FilterSettings {
-            bandwidth: PerAxis::both(bandwidth),
-        };
+        let settings = FilterSettings { bandwidth: PerAxis::both(bandwidth) };
         CommandFilter::new(&settings, PerAxis::zero(), T)
     }
 

@@ -58,9 +58,6 @@ impl ControlLoop {
     }
 
     fn read_encoders(&mut self, counters: PerAxis<u32>) -> PerAxis<f32> {
-        PerAxis {
-            pitch: self.encoders.pitch.read(counters.pitch),
-            yaw: self.encoders.yaw.read(counters.yaw),
-        }
+        PerAxis { pitch: self.encoders.pitch.read(counters.pitch), yaw: self.encoders.yaw.read(counters.yaw) }
     }
 }

@@ -75,8 +75,7 @@ impl<R: Real<Mask = bool>> ControllerSettings<R> {
         self.filter.map_or(Ok(()), |filter| filter.validate())?;
         self.allocation.validate()?;
         self.lead.map_or(Ok(()), |lead| lead.validate())?;
-        self.cancellation.map_or(Ok(()), |share| {
-            both(["cancellation.pitch", "cancellation.yaw"], share, not_negative)
-        })
+        self.cancellation
+            .map_or(Ok(()), |share| both(["cancellation.pitch", "cancellation.yaw"], share, not_negative))
     }
 }

@@ -28,9 +28,7 @@ impl<R: Real> Lead<R> {
 
     /// Each number through `f`.
     pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> Lead<U> {
-        Lead {
-            factor: f(self.factor),
-        }
+        Lead { factor: f(self.factor) }
     }
 }
 

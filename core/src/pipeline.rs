@@ -14,6 +14,7 @@ use crate::plant::{Effectiveness, PlantParameters, RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;
 use crate::rotor_model::RotorModel;
+use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
 /// What a controller is made from: the rig as it is believed to be, and the user's choices, before anything is derived from
@@ -53,10 +54,23 @@ impl Settings<f64> {
 
     /// The paper's law with these gains, alone with the limits on the volts, `sample_time` in s.
     pub fn paper(rig: &Rig, gains: Gains<f64>, sample_time: f64) -> Self {
-        Self {
-            current_limit: None,
-            ..Self::new(rig, ControllerSettings::paper(gains), sample_time)
-        }
+        Self { current_limit: None, ..Self::new(rig, ControllerSettings::paper(gains), sample_time) }
+    }
+}
+
+impl Settings<f64> {
+    /// Every number usable.
+    ///
+    /// # Errors
+    /// Names the field.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        positive("sample_time", self.sample_time)?;
+        self.model.validate()?;
+        self.effectiveness.validate_inverse()?;
+        positive("volts_limit.main", self.volts_limit.main)?;
+        positive("volts_limit.tail", self.volts_limit.tail)?;
+        self.current_limit.map_or(Ok(()), |limit| limit.validate())?;
+        self.controller.validate()
     }
 }
 
@@ -77,11 +91,7 @@ impl<R: Real> Settings<R> {
     pub fn for_ideal_rotors(self) -> Self {
         Self {
             current_limit: None,
-            controller: ControllerSettings {
-                lead: None,
-                cancellation: None,
-                ..self.controller
-            },
+            controller: ControllerSettings { lead: None, cancellation: None, ..self.controller },
             ..self
         }
     }
@@ -118,12 +128,7 @@ pub struct Command<R: Real> {
 impl<R: Real> Pipeline<R> {
     /// Ready to start at `angle` [rad], at rest.
     pub fn new(settings: &Settings<R>, angle: PerAxis<R>) -> Self {
-        let Settings {
-            sample_time,
-            effectiveness,
-            controller,
-            ..
-        } = *settings;
+        let Settings { sample_time, effectiveness, controller, .. } = *settings;
         let model = RigidBody::new(&settings.model);
         let inertia = model.at(&State::default()).inertia;
         let needs_rotors = controller.estimator.uses_model()
@@ -133,15 +138,11 @@ impl<R: Real> Pipeline<R> {
             model,
             rotors: needs_rotors.then(|| RotorModel::new(&settings.model, sample_time)),
             estimator: Estimator::new(&controller.estimator, angle, sample_time),
-            filter: controller
-                .filter
-                .map(|filter| CommandFilter::new(&filter, angle, sample_time)),
+            filter: controller.filter.map(|filter| CommandFilter::new(&filter, angle, sample_time)),
             law: Law::new(&controller.law, effectiveness, sample_time),
             cancellation: controller.cancellation,
             lead: controller.lead,
-            current_limit: settings
-                .current_limit
-                .map(|limit| CurrentLimit::new(limit, sample_time)),
+            current_limit: settings.current_limit.map(|limit| CurrentLimit::new(limit, sample_time)),
             allocator: Allocator::new(effectiveness, settings.volts_limit)
                 .limiting(&controller.allocation, inertia),
         }
@@ -196,12 +197,7 @@ impl<R: Real> Pipeline<R> {
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
         self.law.settle(&now, allocation.clipped());
-        Command {
-            estimate,
-            reference,
-            torque,
-            allocation,
-        }
+        Command { estimate, reference, torque, allocation }
     }
 
     /// \[V\] The limits in force.

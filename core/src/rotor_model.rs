@@ -31,23 +31,13 @@ impl<R: Real> RotorModel<R> {
         let keep = |tau: R| ((tau + tau - sample_time) / (tau + tau + sample_time)).max(R::zero());
         let q = &model.quadratic_effectiveness;
         let r = &model.rotor_reaction;
-        let present = [
-            q.main_on_pitch,
-            q.tail_on_pitch,
-            q.main_on_yaw,
-            q.tail_on_yaw,
-            r.main,
-            r.tail,
-        ]
-        .into_iter()
-        .any(|x| R::zero().lt(x.abs()).any());
+        let present = [q.main_on_pitch, q.tail_on_pitch, q.main_on_yaw, q.tail_on_yaw, r.main, r.tail]
+            .into_iter()
+            .any(|x| R::zero().lt(x.abs()).any());
         Self {
             keep: model.rotor_time_constant.map(keep),
             linear: model.effectiveness,
-            extra: present.then(|| Extra {
-                quadratic: *q,
-                reaction: r.map(|r| r / sample_time),
-            }),
+            extra: present.then(|| Extra { quadratic: *q, reaction: r.map(|r| r / sample_time) }),
             volts: PerMotor::zero(),
         }
     }
@@ -71,10 +61,7 @@ impl<R: Real> RotorModel<R> {
             return torque;
         };
         let gained = extra.reaction.zip(self.volts.minus(before), |r, v| r * v);
-        let reaction = PerAxis {
-            pitch: gained.tail,
-            yaw: gained.main,
-        };
+        let reaction = PerAxis { pitch: gained.tail, yaw: gained.main };
         let squared = extra.quadratic.torque(mean.map(|v| v * v.abs()));
         torque.plus(squared).plus(reaction)
     }
@@ -101,10 +88,7 @@ mod tests {
                 let got = model.advance(volts);
                 let scale = rig.plant.effectiveness_at(10.0).torque(PerMotor::both(24.0));
                 let near = |a: f64, b: f64, s: f64| (a - b).abs() < 2e-4 * (s.abs() + 0.01);
-                assert!(
-                    near(got.pitch, mean.pitch, scale.pitch),
-                    "{name} {k} {got:?} {mean:?}"
-                );
+                assert!(near(got.pitch, mean.pitch, scale.pitch), "{name} {k} {got:?} {mean:?}");
                 assert!(near(got.yaw, mean.yaw, scale.yaw), "{name} {k} {got:?} {mean:?}");
             }
             assert!((model.volts().main - plant.volts.main).abs() < 1e-3);

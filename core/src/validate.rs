@@ -45,15 +45,7 @@ pub(crate) fn require<R: Real<Mask = bool>>(
     holds: bool,
     allowed: &'static str,
 ) -> Result<(), Invalid<R>> {
-    if value.is_finite() && holds {
-        Ok(())
-    } else {
-        Err(Invalid {
-            field,
-            value,
-            allowed,
-        })
-    }
+    if value.is_finite() && holds { Ok(()) } else { Err(Invalid { field, value, allowed }) }
 }
 
 /// Requires that `check` holds for both, each under its own name.

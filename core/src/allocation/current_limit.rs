@@ -102,9 +102,7 @@ impl<R: Real> CurrentLimit<R> {
     pub fn observe(&mut self, applied: PerMotor<R>, in_effect: PerMotor<R>) {
         let back_emf = in_effect.scaled(self.settings.back_emf);
         let current = applied.minus(back_emf).scaled(self.conductance);
-        self.heat = self
-            .heat
-            .zip(current, |heat, i| heat + self.share * (i * i - heat));
+        self.heat = self.heat.zip(current, |heat, i| heat + self.share * (i * i - heat));
     }
 
     /// The volts that are allowed now, within ±`limit`, with `in_effect` at the moment they begin to act.
@@ -119,10 +117,7 @@ impl<R: Real> CurrentLimit<R> {
             s.resistance * most
         });
         let within = |v: PerMotor<R>| v.zip(limit, |v, limit| v.clamp(-limit, limit));
-        VoltsRange {
-            low: within(center.minus(room)),
-            high: within(center.plus(room)),
-        }
+        VoltsRange { low: within(center.minus(room)), high: within(center.plus(room)) }
     }
 }
 

@@ -34,9 +34,7 @@ impl<R: Real> AllocationSettings<R> {
         match self {
             Self::Clamp => AllocationSettings::Clamp,
             Self::Scale => AllocationSettings::Scale,
-            Self::Weighted { pitch_weight } => AllocationSettings::Weighted {
-                pitch_weight: f(pitch_weight),
-            },
+            Self::Weighted { pitch_weight } => AllocationSettings::Weighted { pitch_weight: f(pitch_weight) },
         }
     }
 }
@@ -67,10 +65,7 @@ impl<R: Real> VoltsRange<R> {
     /// ±`limit` [V].
     #[inline(always)]
     pub fn within(limit: PerMotor<R>) -> Self {
-        Self {
-            low: limit.map(|v| -v),
-            high: limit,
-        }
+        Self { low: limit.map(|v| -v), high: limit }
     }
 
     #[inline(always)]

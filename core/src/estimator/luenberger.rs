@@ -12,9 +12,5 @@ pub fn luenberger<R: Real>(bandwidth: R, sample_time: R) -> ObserverGains<R> {
     let one = R::one();
     let b = bilinear_decay(bandwidth * sample_time);
     let gone = one - b;
-    ObserverGains {
-        angle: one - b * b,
-        rate: gone * gone / sample_time,
-        disturbance: R::zero(),
-    }
+    ObserverGains { angle: one - b * b, rate: gone * gone / sample_time, disturbance: R::zero() }
 }

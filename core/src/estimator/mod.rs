@@ -31,10 +31,7 @@ impl<R: Real> Estimate<R> {
     /// The truth, as the paper's world gives it to the law.
     #[inline(always)]
     pub fn exact(state: State<R>) -> Self {
-        Self {
-            state,
-            disturbance: PerAxis::zero(),
-        }
+        Self { state, disturbance: PerAxis::zero() }
     }
 }
 
@@ -67,9 +64,7 @@ pub enum EstimatorSettings<R> {
 impl<R: Real> EstimatorSettings<R> {
     /// The bandwidth of 100 rad/s that laboratories use.
     pub const fn laboratory(bandwidth: R) -> Self {
-        Self::FilteredDerivative {
-            bandwidth: PerAxis::both(bandwidth),
-        }
+        Self::FilteredDerivative { bandwidth: PerAxis::both(bandwidth) }
     }
 
     /// Does it need to know which torque acts?
@@ -80,18 +75,14 @@ impl<R: Real> EstimatorSettings<R> {
     /// Each number through `f`.
     pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> EstimatorSettings<U> {
         match self {
-            Self::FilteredDerivative { bandwidth } => EstimatorSettings::FilteredDerivative {
-                bandwidth: bandwidth.map(f),
-            },
-            Self::Luenberger { bandwidth } => EstimatorSettings::Luenberger {
-                bandwidth: bandwidth.map(f),
-            },
-            Self::ExtendedState { bandwidth } => EstimatorSettings::ExtendedState {
-                bandwidth: bandwidth.map(f),
-            },
-            Self::Observer { gains } => EstimatorSettings::Observer {
-                gains: gains.map(|g| g.map(&mut f)),
-            },
+            Self::FilteredDerivative { bandwidth } => {
+                EstimatorSettings::FilteredDerivative { bandwidth: bandwidth.map(f) }
+            }
+            Self::Luenberger { bandwidth } => EstimatorSettings::Luenberger { bandwidth: bandwidth.map(f) },
+            Self::ExtendedState { bandwidth } => {
+                EstimatorSettings::ExtendedState { bandwidth: bandwidth.map(f) }
+            }
+            Self::Observer { gains } => EstimatorSettings::Observer { gains: gains.map(|g| g.map(&mut f)) },
         }
     }
 }
@@ -105,11 +96,9 @@ impl<R: Real<Mask = bool>> EstimatorSettings<R> {
         match *self {
             Self::FilteredDerivative { bandwidth }
             | Self::Luenberger { bandwidth }
-            | Self::ExtendedState { bandwidth } => both(
-                ["estimator.bandwidth.pitch", "estimator.bandwidth.yaw"],
-                bandwidth,
-                positive,
-            ),
+            | Self::ExtendedState { bandwidth } => {
+                both(["estimator.bandwidth.pitch", "estimator.bandwidth.yaw"], bandwidth, positive)
+            }
             Self::Observer { gains } => {
                 gains.pitch.validate([
                     "estimator.gains.pitch.angle",

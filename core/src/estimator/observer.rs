@@ -26,11 +26,7 @@ pub struct ObserverGains<R> {
 impl<R: Real> ObserverGains<R> {
     /// Each number through `f`.
     pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> ObserverGains<U> {
-        ObserverGains {
-            angle: f(self.angle),
-            rate: f(self.rate),
-            disturbance: f(self.disturbance),
-        }
+        ObserverGains { angle: f(self.angle), rate: f(self.rate), disturbance: f(self.disturbance) }
     }
 }
 

@@ -40,18 +40,8 @@ const fn both(bandwidth: f64) -> PerAxis<f64> {
 #[test]
 fn observers_with_a_true_model_beat_the_filtered_derivative() {
     let (_, _, derivative) = flown(&EstimatorSettings::laboratory(100.0), 0.0);
-    let (_, _, luenberger) = flown(
-        &EstimatorSettings::Luenberger {
-            bandwidth: both(40.0),
-        },
-        0.0,
-    );
-    let (_, _, extended) = flown(
-        &EstimatorSettings::ExtendedState {
-            bandwidth: both(20.0),
-        },
-        0.0,
-    );
+    let (_, _, luenberger) = flown(&EstimatorSettings::Luenberger { bandwidth: both(40.0) }, 0.0);
+    let (_, _, extended) = flown(&EstimatorSettings::ExtendedState { bandwidth: both(20.0) }, 0.0);
     assert!(luenberger < 0.2 * derivative, "{luenberger} {derivative}");
     assert!(extended < 0.2 * derivative, "{extended} {derivative}");
 }
@@ -61,21 +51,11 @@ fn the_extended_state_observer_finds_the_disturbance_and_the_luenberger_observer
     let rig = presets::AERO.plant;
     let volts = 2.0;
     let exact = rig.effectiveness.main_on_yaw * volts / rig.inertia.yaw;
-    let (estimate, truth, _) = flown(
-        &EstimatorSettings::ExtendedState {
-            bandwidth: both(20.0),
-        },
-        volts,
-    );
+    let (estimate, truth, _) = flown(&EstimatorSettings::ExtendedState { bandwidth: both(20.0) }, volts);
     assert!((estimate.disturbance.yaw / exact - 1.0).abs() < 0.1);
     assert!((estimate.state.rate.yaw - truth.rate.yaw).abs() < 0.01);
 
-    let (estimate, _, _) = flown(
-        &EstimatorSettings::Luenberger {
-            bandwidth: both(40.0),
-        },
-        volts,
-    );
+    let (estimate, _, _) = flown(&EstimatorSettings::Luenberger { bandwidth: both(40.0) }, volts);
     assert_eq!(estimate.disturbance, PerAxis::zero());
 }
 
@@ -93,17 +73,12 @@ fn observer_errors_die_at_the_bandwidth() {
             observer.predict(&estimate, PerAxis::zero());
         }
         let x = w * T * 400.0;
-        assert!(
-            error < x * x * (-x).exp() && error > 1e-3 * (-x).exp(),
-            "{error:e}"
-        );
+        assert!(error < x * x * (-x).exp() && error > 1e-3 * (-x).exp(), "{error:e}");
     }
 }
 
 #[test]
 fn a_bad_bandwidth_is_named() {
-    let settings = EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(20.0_f32, -1.0),
-    };
+    let settings = EstimatorSettings::ExtendedState { bandwidth: PerAxis::new(20.0_f32, -1.0) };
     assert_eq!(settings.validate().unwrap_err().field, "estimator.bandwidth.yaw");
 }

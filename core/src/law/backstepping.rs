@@ -50,10 +50,7 @@ impl<R: Real> Backstepping<R> {
     pub fn errors(&self, estimate: &Estimate<R>, reference: &Reference<R>) -> Errors<R> {
         let angle = reference.angle.minus(estimate.state.angle);
         let virtual_rate = reference.rate.plus(self.gains.zip(angle, |g, e| g.position * e));
-        Errors {
-            angle,
-            rate: virtual_rate.minus(estimate.state.rate),
-        }
+        Errors { angle, rate: virtual_rate.minus(estimate.state.rate) }
     }
 }
 

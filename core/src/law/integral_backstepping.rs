@@ -66,11 +66,7 @@ pub struct IntegralBackstepping<R> {
 impl<R: Real> IntegralBackstepping<R> {
     /// With an empty integral; `sample_time` [s].
     pub fn new(gains: PerAxis<IntegralGains<R>>, sample_time: R) -> Self {
-        Self {
-            gains,
-            sample_time,
-            integral: PerAxis::zero(),
-        }
+        Self { gains, sample_time, integral: PerAxis::zero() }
     }
 }
 

@@ -40,12 +40,7 @@ impl<'a, R: Real> Situation<'a, R> {
     /// With the model taken at the estimate.
     #[inline(always)]
     pub fn new(model: &'a RigidBody<R>, estimate: &'a Estimate<R>, reference: &'a Reference<R>) -> Self {
-        Self {
-            model,
-            dynamics: model.at(&estimate.state),
-            estimate,
-            reference,
-        }
+        Self { model, dynamics: model.at(&estimate.state), estimate, reference }
     }
 
     /// \[rad\] Reference minus estimate.
@@ -63,10 +58,7 @@ impl<'a, R: Real> Situation<'a, R> {
     /// \[N m\] What the model needs to be at the reference and to follow it.
     #[inline(always)]
     pub fn feed_forward(&self) -> PerAxis<R> {
-        let there = State {
-            angle: self.reference.angle,
-            rate: self.reference.rate,
-        };
+        let there = State { angle: self.reference.angle, rate: self.reference.rate };
         self.model.at(&there).torque(self.reference.accel)
     }
 }

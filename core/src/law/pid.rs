@@ -53,11 +53,7 @@ pub struct Pid<R> {
 impl<R: Real> Pid<R> {
     /// With an empty integral; `sample_time` [s].
     pub fn new(gains: PerAxis<PidGains<R>>, sample_time: R) -> Self {
-        Self {
-            gains,
-            sample_time,
-            integral: PerAxis::zero(),
-        }
+        Self { gains, sample_time, integral: PerAxis::zero() }
     }
 }
 
@@ -73,9 +69,7 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
 
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
-        let gained = self
-            .gains
-            .zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);
+        let gained = self.gains.zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);
         self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped));
     }
 }

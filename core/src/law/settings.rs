@@ -2,9 +2,9 @@
 
 use super::{IntegralGains, PidGains, StateFeedbackGains, SuperTwistingGains};
 use crate::axes::PerAxis;
-use crate::gains::{Gains, NAMES};
+use crate::gains::Gains;
 use crate::real::Real;
-use crate::validate::{Invalid, positive};
+use crate::validate::Invalid;
 use serde::{Deserialize, Serialize};
 
 /// Which law, and its gains.
@@ -45,25 +45,14 @@ impl<R: Real<Mask = bool>> LawSettings<R> {
     /// Names the field.
     pub fn validate(&self) -> Result<(), Invalid<R>> {
         match self {
-            Self::Backstepping(gains) => NAMES
-                .into_iter()
-                .zip(gains.to_paper_order())
-                .try_for_each(|(name, value)| positive(name, value)),
+            Self::Backstepping(gains) => gains.validate(),
             Self::IntegralBackstepping(gains) => {
-                gains
-                    .pitch
-                    .validate(["pitch.position", "pitch.rate", "pitch.weight", "pitch.integral"])?;
-                gains
-                    .yaw
-                    .validate(["yaw.position", "yaw.rate", "yaw.weight", "yaw.integral"])
+                gains.pitch.validate(["pitch.position", "pitch.rate", "pitch.weight", "pitch.integral"])?;
+                gains.yaw.validate(["yaw.position", "yaw.rate", "yaw.weight", "yaw.integral"])
             }
             Self::Pid(gains) => {
-                gains
-                    .pitch
-                    .validate(["pitch.proportional", "pitch.integral", "pitch.derivative"])?;
-                gains
-                    .yaw
-                    .validate(["yaw.proportional", "yaw.integral", "yaw.derivative"])
+                gains.pitch.validate(["pitch.proportional", "pitch.integral", "pitch.derivative"])?;
+                gains.yaw.validate(["yaw.proportional", "yaw.integral", "yaw.derivative"])
             }
             Self::StateFeedback(gains) => gains.validate(),
             Self::SuperTwisting(gains) => {
@@ -73,9 +62,7 @@ impl<R: Real<Mask = bool>> LawSettings<R> {
                     "pitch.integral",
                     "pitch.width",
                 ])?;
-                gains
-                    .yaw
-                    .validate(["yaw.surface", "yaw.proportional", "yaw.integral", "yaw.width"])
+                gains.yaw.validate(["yaw.surface", "yaw.proportional", "yaw.integral", "yaw.width"])
             }
         }
     }

@@ -47,11 +47,7 @@ impl<R: Real> StateFeedbackGains<R> {
 impl<R: Real<Mask = bool>> StateFeedbackGains<R> {
     /// Usable gains.
     pub(super) fn validate(&self) -> Result<(), Invalid<R>> {
-        for (field, matrix) in [
-            ("angle", self.angle),
-            ("rate", self.rate),
-            ("integral", self.integral),
-        ] {
+        for (field, matrix) in [("angle", self.angle), ("rate", self.rate), ("integral", self.integral)] {
             for row in matrix.to_array() {
                 finite(field, row.pitch)?;
                 finite(field, row.yaw)?;
@@ -79,12 +75,7 @@ fn product<R: Real>(matrix: &MotorGains<R>, error: PerAxis<R>) -> PerMotor<R> {
 impl<R: Real> StateFeedback<R> {
     /// With an empty integral; `sample_time` [s]. The volts are handed on as the torque that `effectiveness` makes of them.
     pub fn new(gains: StateFeedbackGains<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
-        Self {
-            gains,
-            effectiveness,
-            sample_time,
-            integral: PerMotor::zero(),
-        }
+        Self { gains, effectiveness, sample_time, integral: PerMotor::zero() }
     }
 }
 
@@ -95,19 +86,13 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
             .plus(product(&self.gains.rate, now.rate_error()))
             .plus(self.integral);
         let feedback = self.effectiveness.torque(volts);
-        if self.gains.feed_forward {
-            now.feed_forward().plus(feedback)
-        } else {
-            feedback
-        }
+        if self.gains.feed_forward { now.feed_forward().plus(feedback) } else { feedback }
     }
 
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let limit = self.gains.integral_limit;
         let gained = product(&self.gains.integral, now.angle_error().scaled(self.sample_time));
-        self.integral = self
-            .integral
-            .zip(gained, |z, e| integrated(z, e, clipped).clamp(-limit, limit));
+        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped).clamp(-limit, limit));
     }
 }

@@ -60,11 +60,7 @@ pub struct SuperTwisting<R> {
 impl<R: Real> SuperTwisting<R> {
     /// With an empty integral; `sample_time` [s].
     pub fn new(gains: PerAxis<SuperTwistingGains<R>>, sample_time: R) -> Self {
-        Self {
-            gains,
-            sample_time,
-            integral: PerAxis::zero(),
-        }
+        Self { gains, sample_time, integral: PerAxis::zero() }
     }
 
     /// s of each axis.
@@ -78,9 +74,8 @@ impl<R: Real> SuperTwisting<R> {
 impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
-        let reaching = self.gains.zip(self.surface(now), |g, s| {
-            g.proportional * s / (s.abs() + g.width).sqrt()
-        });
+        let reaching =
+            self.gains.zip(self.surface(now), |g, s| g.proportional * s / (s.abs() + g.width).sqrt());
         let along = self.gains.zip(now.rate_error(), |g, e| g.surface * e);
         let accel = now.reference.accel.plus(along).plus(reaching).plus(self.integral);
         now.dynamics.torque(accel)
@@ -88,9 +83,8 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
 
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
-        let gained = self.gains.zip(self.surface(now), |g, s| {
-            g.integral * self.sample_time * s / (s.abs() + g.width)
-        });
+        let gained =
+            self.gains.zip(self.surface(now), |g, s| g.integral * self.sample_time * s / (s.abs() + g.width));
         self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped));
     }
 }

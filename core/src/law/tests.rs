@@ -12,12 +12,7 @@ fn pair(range: core::ops::Range<f64>) -> impl Strategy<Value = PerAxis<f64>> {
 const T: f64 = 1e-3;
 
 fn integral(gains: AxisGains<f64>, weight: f64, integral: f64) -> IntegralGains<f64> {
-    IntegralGains {
-        position: gains.position,
-        rate: gains.rate,
-        weight,
-        integral,
-    }
+    IntegralGains { position: gains.position, rate: gains.rate, weight, integral }
 }
 
 proptest! {
@@ -65,17 +60,8 @@ proptest! {
 }
 
 fn every_integrating_law() -> [LawSettings<f64>; 4] {
-    let pid = PidGains {
-        proportional: 80.0,
-        integral: 120.0,
-        derivative: 20.0,
-    };
-    let twisting = SuperTwistingGains {
-        surface: 4.0,
-        proportional: 8.0,
-        integral: 30.0,
-        width: 0.3,
-    };
+    let pid = PidGains { proportional: 80.0, integral: 120.0, derivative: 20.0 };
+    let twisting = SuperTwistingGains { surface: 4.0, proportional: 8.0, integral: 30.0, width: 0.3 };
     // PI-like volts on the Aero: the inverse of its thrust gains times inertia, times the PID's gains.
     let k = presets::AERO.plant.effectiveness;
     let inverse = PerMotor {
@@ -124,10 +110,7 @@ fn a_constant_disturbance_leaves_no_offset() {
             state.angle = state.angle.plus(state.rate.scaled(T));
         }
         let error = goal.angle.minus(state.angle);
-        assert!(
-            error.pitch.abs() < 1e-5 && error.yaw.abs() < 1e-5,
-            "{settings:?} {error:?}"
-        );
+        assert!(error.pitch.abs() < 1e-5 && error.yaw.abs() < 1e-5, "{settings:?} {error:?}");
     }
 }
 

@@ -1,0 +1,203 @@
+//! Gains on disk.
+
+use crate::error::{Failure, Outcome};
+use crate::rig::from_toml;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::Path;
+use twinrotor::allocation::AllocationSettings;
+use twinrotor::axes::PerAxis;
+use twinrotor::command_filter::FilterSettings;
+use twinrotor::controller::ControllerSettings;
+use twinrotor::estimator::EstimatorSettings;
+use twinrotor::gains::{self, Gains};
+use twinrotor::law::LawSettings;
+use twinrotor::lead::Lead;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
+
+use crate::scenario::SAMPLE_TIME;
+
+/// A gains file: a controller, its numbers, and where they came from.
+///
+/// On disk the law's name stands under `controller` and its gains beside it (`[pitch]`, `[yaw]`); `[estimator]`, `allocation`,
+/// `[filter]`, `[lead]` and `[cancellation]` follow where they are used. What is left out is as the paper has it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Document", into = "Document")]
+pub struct GainsFile {
+    /// The controller.
+    pub controller: ControllerSettings<f64>,
+    /// How the gains were found; nothing reads it.
+    pub provenance: Option<Provenance>,
+}
+
+/// The file as it is written.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Document {
+    controller: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    allocation: Option<AllocationSettings<f64>>,
+    /// The law's own tables, and whatever else the file holds: the law refuses what it does not know.
+    #[serde(flatten)]
+    law: toml::Table,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    estimator: Option<EstimatorSettings<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    filter: Option<FilterSettings<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lead: Option<Lead<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cancellation: Option<PerAxis<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    provenance: Option<Provenance>,
+}
+
+impl TryFrom<Document> for GainsFile {
+    type Error = String;
+
+    fn try_from(document: Document) -> Result<Self, String> {
+        let named = toml::Table::from_iter([(document.controller, toml::Value::Table(document.law))]);
+        let law = LawSettings::deserialize(toml::Value::Table(named)).map_err(|e| e.message().to_owned())?;
+        let paper = ControllerSettings::paper(gains::PAPER);
+        let controller = ControllerSettings {
+            law,
+            estimator: document.estimator.unwrap_or(paper.estimator),
+            filter: document.filter,
+            allocation: document.allocation.unwrap_or(paper.allocation),
+            lead: document.lead,
+            cancellation: document.cancellation,
+        };
+        Ok(Self { controller, provenance: document.provenance })
+    }
+}
+
+impl From<GainsFile> for Document {
+    fn from(file: GainsFile) -> Self {
+        let ControllerSettings { law, estimator, filter, allocation, lead, cancellation } = file.controller;
+        let paper = ControllerSettings::paper(gains::PAPER);
+        let named = toml::Table::try_from(law).expect("gains are made of tables and numbers");
+        let (controller, law) = named.into_iter().next().expect("a law has a name");
+        let toml::Value::Table(law) = law else { unreachable!("a law's gains are a table") };
+        Self {
+            controller,
+            allocation: (allocation != paper.allocation).then_some(allocation),
+            law,
+            estimator: (estimator != paper.estimator).then_some(estimator),
+            filter,
+            lead,
+            cancellation,
+            provenance: file.provenance,
+        }
+    }
+}
+
+/// How gains were found. No dates and no durations: the same run writes the same bytes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// The rig.
+    pub preset: String,
+    /// What was minimised.
+    pub objective: String,
+    /// By which method.
+    pub algorithm: String,
+    /// From which seed.
+    pub seed: u64,
+    /// With how many evaluations.
+    pub evaluations: usize,
+    /// To what cost.
+    pub cost: f64,
+    /// By which version of this program.
+    pub version: String,
+}
+
+impl GainsFile {
+    /// The paper's Table 4.
+    pub fn paper() -> Self {
+        Self::backstepping(gains::PAPER)
+    }
+
+    /// The paper's law with these gains.
+    pub fn backstepping(gains: Gains<f64>) -> Self {
+        Self { controller: ControllerSettings::paper(gains), provenance: None }
+    }
+
+    /// `paper`, or the file of that path.
+    pub fn load(name: &str) -> Outcome<Self> {
+        if name == "paper" {
+            return Ok(Self::paper());
+        }
+        let path = Path::new(name);
+        if !path.exists() {
+            return Err(Failure::Input(format!(
+                "--gains is '{name}'; allowed: 'paper' (Table 4) or the path of a gains file, and there is no such file"
+            )));
+        }
+        Self::parse(name, &fs::read_to_string(path).map_err(|e| Failure::reading(path, &e))?)
+    }
+
+    fn parse(path: &str, text: &str) -> Outcome<Self> {
+        let file: Self = from_toml(path, text)?;
+        file.controller.validate().map_err(|e| Failure::Input(format!("{path}: {e}")))?;
+        Ok(file)
+    }
+
+    /// The gains of the paper's law, if that is the law.
+    pub fn gains(&self) -> Option<Gains<f64>> {
+        match self.controller.law {
+            LawSettings::Backstepping(gains) => Some(gains),
+            _ => None,
+        }
+    }
+
+    /// As a file.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("gains are made of tables and numbers")
+    }
+
+    /// The controller that they make on a rig whose constants it knows.
+    pub fn settings(&self, rig: &Rig) -> Settings<f64> {
+        Settings::new(rig, self.controller, SAMPLE_TIME)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn any_gains_survive_their_file(k in prop::array::uniform4(1e-3..1e3_f64), bandwidth in 1.0..500.0) {
+            let mut file = GainsFile::backstepping(Gains::from_paper_order(k));
+            file.controller.estimator = EstimatorSettings::laboratory(bandwidth);
+            file.controller.allocation = AllocationSettings::Weighted { pitch_weight: 1.5 };
+            file.controller.lead = Some(Lead { factor: bandwidth });
+            prop_assert_eq!(GainsFile::parse("x", &file.to_toml()).unwrap(), file);
+        }
+
+        #[test]
+        fn no_text_panics(text in "\\PC*") {
+            let _ = GainsFile::parse("x", &text);
+        }
+    }
+
+    #[test]
+    fn a_bad_file_is_told_in_one_line_with_its_field() {
+        let good = GainsFile::paper().to_toml();
+        let cases = [
+            (good.replace("4.2", "-4.2"), "pitch.position is -4.2; allowed: a finite number above 0"),
+            (good.replace("10.8", "inf"), "yaw.rate is inf"),
+            (good.replace("10.8", "nan"), "yaw.rate is NaN"),
+            (good.replace("rate = 10.8", "speed = 10.8"), "unknown field `speed`"),
+            (good.replace("rate = 10.8", ""), "missing field `rate`"),
+            (good.replace("backstepping", "backsteping"), "unknown variant `backsteping`"),
+            (String::new(), "missing field `controller`"),
+        ];
+        for (text, expected) in cases {
+            let error = GainsFile::parse("my.toml", &text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+            assert!(!error.contains('\n') && error.starts_with("my.toml"), "{error}");
+        }
+    }
+}
