@@ -91,6 +91,34 @@ impl From<GainsFile> for Document {
     }
 }
 
+/// The laws there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Controller {
+    /// Eqs (26)-(27).
+    Backstepping,
+    /// The same with an integral.
+    IntegralBackstepping,
+    /// PID for each axis.
+    Pid,
+    /// PD, LQR, LQI in volts.
+    StateFeedback,
+    /// Second-order sliding mode.
+    SuperTwisting,
+}
+
+impl Controller {
+    /// Of these settings.
+    pub fn of(law: &LawSettings<f64>) -> Self {
+        match law {
+            LawSettings::Backstepping(_) => Self::Backstepping,
+            LawSettings::IntegralBackstepping(_) => Self::IntegralBackstepping,
+            LawSettings::Pid(_) => Self::Pid,
+            LawSettings::StateFeedback(_) => Self::StateFeedback,
+            LawSettings::SuperTwisting(_) => Self::SuperTwisting,
+        }
+    }
+}
+
 /// How gains were found. No dates and no durations: the same run writes the same bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -140,6 +168,17 @@ impl GainsFile {
         let file: Self = from_toml(path, text)?;
         file.controller.validate().map_err(|e| Failure::Input(format!("{path}: {e}")))?;
         Ok(file)
+    }
+
+    /// Refuses another controller than the one named, if one is.
+    pub fn require(&self, controller: Option<Controller>) -> Outcome<()> {
+        let own = Controller::of(&self.controller.law);
+        match controller {
+            Some(wanted) if wanted != own => {
+                Err(Failure::Input(format!("--controller is {wanted:?}, but the gains are of {own:?}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The gains of the paper's law, if that is the law.

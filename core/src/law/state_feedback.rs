@@ -80,7 +80,8 @@ impl<R: Real> StateFeedback<R> {
 }
 
 impl<R: Real> ControlLaw<R> for StateFeedback<R> {
-    #[inline(always)]
+    // A call, not inlined: it is no board's default, and in lanes every inlined law costs each build of the tuner seconds.
+    #[inline(never)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let volts = product(&self.gains.angle, now.angle_error())
             .plus(product(&self.gains.rate, now.rate_error()))
@@ -89,7 +90,7 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
         if self.gains.feed_forward { now.feed_forward().plus(feedback) } else { feedback }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let limit = self.gains.integral_limit;
         let gained = product(&self.gains.integral, now.angle_error().scaled(self.sample_time));

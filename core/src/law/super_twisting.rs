@@ -72,7 +72,8 @@ impl<R: Real> SuperTwisting<R> {
 }
 
 impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
-    #[inline(always)]
+    // A call, not inlined: it is no board's default, and in lanes every inlined law costs each build of the tuner seconds.
+    #[inline(never)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let reaching =
             self.gains.zip(self.surface(now), |g, s| g.proportional * s / (s.abs() + g.width).sqrt());
@@ -81,7 +82,7 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
         now.dynamics.torque(accel)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let gained =
             self.gains.zip(self.surface(now), |g, s| g.integral * self.sample_time * s / (s.abs() + g.width));
