@@ -25,4 +25,5 @@ pub mod plot;
 pub mod rig;
 pub mod robust;
 pub mod scenario;
+pub mod tunable;
 pub mod tuner;

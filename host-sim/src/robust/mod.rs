@@ -8,13 +8,19 @@
 //!
 //! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which plants there are.
 
+mod catalogue;
 mod cost;
 mod kernel;
 mod plants;
+mod riccati;
+mod tuning;
 
+pub use catalogue::{CATALOGUE, Design, uses};
 pub use cost::{Score, Terms, quantile, total};
 pub use kernel::STEP_DEG;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
+pub use riccati::{kalman, lqr};
+pub use tuning::{Plan, Tuned, tune};
 
 use crate::lanes::LANES;
 use crate::scenario::SAMPLE_TIME;
