@@ -55,6 +55,17 @@ pub struct LaggedRotors<R> {
 }
 
 impl<R: Real> LaggedRotors<R> {
+    /// Each number through `f`, in a fixed order: what puts rotors of different plants side by side in lanes.
+    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> LaggedRotors<U> {
+        LaggedRotors {
+            linear: self.linear.map(&mut f),
+            quadratic: self.quadratic.map(&mut f),
+            half_decay: self.half_decay.map(&mut f),
+            reaction: self.reaction.map(&mut f),
+            volts: self.volts.map(&mut f),
+        }
+    }
+
     #[inline(always)]
     fn torque(&self, applied: PerMotor<R>, disturbance: PerMotor<R>) -> PerAxis<R> {
         let acting = self.volts.plus(disturbance);

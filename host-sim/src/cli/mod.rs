@@ -7,6 +7,7 @@ mod common;
 mod simulate;
 mod tables;
 mod tune;
+mod tune_robust;
 
 use crate::error::{Failure, Outcome};
 use clap::error::ErrorKind;
