@@ -17,7 +17,7 @@ impl<R: Real> Drive<R> {
     /// With this many compare steps from zero to full voltage.
     pub fn new(full_steps: u32) -> Self {
         Self {
-            full_steps: R::from_f64(f64::from(full_steps)),
+            full_steps: R::from_i32(full_steps.cast_signed()),
         }
     }
 

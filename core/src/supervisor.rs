@@ -96,7 +96,7 @@ impl Condition {
     ];
 
     const fn bit(self) -> u32 {
-        1 << self as u32
+        1_u32.wrapping_shl(self as u32)
     }
 }
 
@@ -143,7 +143,7 @@ impl Conditions {
     /// This set with `condition` in it if `present`.
     #[must_use]
     pub const fn with(self, condition: Condition, present: bool) -> Self {
-        Self(self.0 | (condition.bit() * present as u32))
+        if present { Self(self.0 | condition.bit()) } else { self }
     }
 
     /// What is in either set.
