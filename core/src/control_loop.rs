@@ -110,6 +110,19 @@ impl ControlLoop {
         }
     }
 
+    /// Other parameters from now on, with the motors off: all starts afresh but the count of ticks.
+    pub fn adopt(&mut self, parameters: &Parameters, counters: PerAxis<u32>, drive: Drive<f32>) {
+        *self = Self {
+            tick: self.tick,
+            ..Self::new(parameters, counters, drive, None)
+        };
+    }
+
+    /// Whether the motors may turn, since the last tick.
+    pub fn state(&self) -> State {
+        self.supervisor.state()
+    }
+
     /// One tick.
     #[inline(never)]
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
