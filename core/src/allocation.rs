@@ -2,7 +2,7 @@
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 
 /// What comes of a torque request.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +18,16 @@ pub struct Allocation<R: Real> {
 }
 
 impl<R: Real> Allocation<R> {
+    /// Nothing asked for, nothing given.
+    pub fn none() -> Self {
+        Self {
+            volts: PerMotor::zero(),
+            demand: PerMotor::zero(),
+            unallocated_torque: PerAxis::zero(),
+            fault: R::Mask::splat(false),
+        }
+    }
+
     /// Was more asked of a motor than its limit allows?
     #[inline(always)]
     pub fn saturated(&self, limit: PerMotor<R>) -> PerMotor<R::Mask> {
@@ -37,11 +47,7 @@ pub struct Allocator<R> {
 impl<R: Real> Allocator<R> {
     /// For thrust gains K [N m/V] with a determinant other than zero, and volts within ±`limit`.
     pub fn new(effectiveness: Effectiveness<R>, limit: PerMotor<R>) -> Self {
-        Self {
-            effectiveness,
-            inverse_determinant: R::one() / effectiveness.determinant(),
-            limit,
-        }
+        Self { effectiveness, inverse_determinant: R::one() / effectiveness.determinant(), limit }
     }
 
     /// \[V\] The limits.
@@ -67,9 +73,7 @@ impl<R: Real> Allocator<R> {
     #[inline(always)]
     pub fn allocate(&self, demand: PerMotor<R>) -> Allocation<R> {
         let sound = demand.main.is_finite() & demand.tail.is_finite();
-        let volts = demand.zip(self.limit, |v, limit| {
-            R::select(sound, v.clamp(-limit, limit), R::zero())
-        });
+        let volts = demand.zip(self.limit, |v, limit| R::select(sound, v.clamp(-limit, limit), R::zero()));
         let missing = self.effectiveness.torque(demand.minus(volts));
         Allocation {
             volts,

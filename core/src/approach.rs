@@ -57,7 +57,12 @@ impl Approach {
     pub fn step(&mut self) -> Reference<f32> {
         let reach = self.rate * self.sample_time;
         let left = self.offset.map(|offset| offset - Real::clamp(offset, -reach, reach));
-        let closing = left.minus(self.offset).map(|moved| moved / self.sample_time);
+        // Where the way has ended, or is so short that it is a jump, the reference rests.
+        let closing = left.map(|left| match left {
+            left if left > 0.0 => -self.rate,
+            left if left < 0.0 => self.rate,
+            _ => 0.0,
+        });
         self.offset = left;
         let now = self.setpoint;
         let (t, half) = (self.sample_time, 0.5 * self.sample_time);
@@ -83,7 +88,7 @@ mod tests {
         for tick in 1..1800 {
             let now = approach.step();
             let slope = (now.angle.pitch - last.angle.pitch) / 1e-3;
-            assert!((slope - now.rate.pitch).abs() < 1e-3, "rate is the slope at tick {tick}");
+            assert!((slope - last.rate.pitch).abs() < 1e-3, "rate is the slope at tick {tick}");
             assert!(now.rate.pitch <= 0.501);
             last = now;
         }

@@ -39,19 +39,13 @@ macro_rules! pair {
             /// Applies `f` to both.
             #[inline(always)]
             pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> $name<U> {
-                $name {
-                    $first: f(self.$first),
-                    $second: f(self.$second),
-                }
+                $name { $first: f(self.$first), $second: f(self.$second) }
             }
 
             /// Applies `f` to both, each with its partner in `other`.
             #[inline(always)]
             pub fn zip<U, V>(self, other: $name<U>, mut f: impl FnMut(T, U) -> V) -> $name<V> {
-                $name {
-                    $first: f(self.$first, other.$first),
-                    $second: f(self.$second, other.$second),
-                }
+                $name { $first: f(self.$first, other.$first), $second: f(self.$second, other.$second) }
             }
         }
 
@@ -59,10 +53,7 @@ macro_rules! pair {
             /// The same value twice.
             #[inline(always)]
             pub const fn both(value: T) -> Self {
-                Self {
-                    $first: value,
-                    $second: value,
-                }
+                Self { $first: value, $second: value }
             }
 
             /// The two values in order.

@@ -18,10 +18,7 @@ impl<R: Real> Compensated<R> {
     /// Starts at `value`.
     #[inline(always)]
     pub fn new(value: R) -> Self {
-        Self {
-            value,
-            excess: R::zero(),
-        }
+        Self { value, excess: R::zero() }
     }
 
     /// The sum, rounded to `R`.

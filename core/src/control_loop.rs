@@ -8,7 +8,7 @@ use crate::estimator::Estimate;
 use crate::first_power::{FirstPowerCheck, STILL_TICKS, Verdict};
 use crate::monitor::{Monitor, Seen};
 use crate::parameters::Parameters;
-use crate::pipeline::{Pipeline, Settings};
+use crate::pipeline::{Command, Pipeline, Settings};
 use crate::reference::Reference;
 use crate::supervisor::{Condition, Conditions, Request, State, Supervisor};
 use crate::telemetry::Frame;
@@ -52,12 +52,12 @@ pub struct Inputs {
     /// A message came since the last tick.
     pub heard: bool,
     /// What the operator wants, if anything new.
-    pub command: Option<Command>,
+    pub wish: Option<Wish>,
 }
 
 /// What the operator may want of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Command {
+pub enum Wish {
     /// To arm, to disarm, to clear a fault, to check the wiring.
     Request(Request),
     /// To be there, and to move on at that rate and acceleration until the next setpoint.
@@ -75,6 +75,8 @@ pub struct Outputs {
     pub enable: bool,
     /// What the first-power check found, in the tick it ends.
     pub verdict: Option<Verdict>,
+    /// How it came to that.
+    pub command: Command<f32>,
     /// The tick, for telemetry.
     pub frame: Frame,
 }
@@ -112,10 +114,7 @@ impl ControlLoop {
 
     /// Other parameters from now on, with the motors off: all starts afresh but the count of ticks.
     pub fn adopt(&mut self, parameters: &Parameters, counters: PerAxis<u32>, drive: Drive<f32>) {
-        *self = Self {
-            tick: self.tick,
-            ..Self::new(parameters, counters, drive, None)
-        };
+        *self = Self { tick: self.tick, ..Self::new(parameters, counters, drive, None) };
     }
 
     /// Whether the motors may turn, since the last tick.
@@ -130,11 +129,11 @@ impl ControlLoop {
         let estimate = self.pipeline.estimate(measured, self.latched);
         let conditions = self.find_conditions(inputs, &estimate, moved);
         let estimate = self.supervise(inputs, conditions, measured).unwrap_or(estimate);
-        let reference = self.follow(inputs.command);
-        let (demand, volts) = self.decide(&estimate, &reference, measured);
-        let duty = self.drive.duty(volts, inputs.supply);
+        let reference = self.follow(inputs.wish);
+        let command = self.decide(estimate, reference, measured);
+        let duty = self.drive.duty(command.allocation.volts, inputs.supply);
         self.latched = self.drive.volts(duty, inputs.supply);
-        self.report(inputs, conditions, &estimate, &reference, demand, duty)
+        self.report(inputs, conditions, command, duty)
     }
 
     fn read_encoders(&mut self, counters: PerAxis<u32>) -> (PerAxis<f32>, PerAxis<i32>) {
@@ -149,7 +148,12 @@ impl ControlLoop {
         (measured, moved)
     }
 
-    fn find_conditions(&mut self, inputs: &Inputs, estimate: &Estimate<f32>, moved: PerAxis<i32>) -> Conditions {
+    fn find_conditions(
+        &mut self,
+        inputs: &Inputs,
+        estimate: &Estimate<f32>,
+        moved: PerAxis<i32>,
+    ) -> Conditions {
         let seen = self.monitor.check(&Seen {
             moved,
             estimate,
@@ -177,9 +181,9 @@ impl ControlLoop {
         measured: PerAxis<f32>,
     ) -> Option<Estimate<f32>> {
         let before = self.supervisor.state();
-        let request = match (self.verdict.take(), inputs.command) {
+        let request = match (self.verdict.take(), inputs.wish) {
             (Some(_), _) => Some(Request::Disarm),
-            (None, Some(Command::Request(request))) => Some(request),
+            (None, Some(Wish::Request(request))) => Some(request),
             _ => None,
         };
         let now = self.supervisor.step(conditions, request);
@@ -200,10 +204,10 @@ impl ControlLoop {
         Some(self.pipeline.estimate(measured, self.latched))
     }
 
-    fn follow(&mut self, command: Option<Command>) -> Reference<f32> {
-        match command {
-            Some(Command::Setpoint(setpoint)) => self.approach.aim(setpoint),
-            Some(Command::Zero) if self.still >= STILL_TICKS && !self.supervisor.state().motors_may_turn() => {
+    fn follow(&mut self, wish: Option<Wish>) -> Reference<f32> {
+        match wish {
+            Some(Wish::Setpoint(setpoint)) => self.approach.aim(setpoint),
+            Some(Wish::Zero) if self.still >= STILL_TICKS && !self.supervisor.state().motors_may_turn() => {
                 self.zero();
             }
             _ => {}
@@ -222,36 +226,35 @@ impl ControlLoop {
         self.zeroed = true;
     }
 
-    /// What was asked for and what is given [V]: the law's when armed, the check's when checking, else nothing.
+    /// What the motors are to do: what the law says when armed, what the check says when checking, else nothing.
     fn decide(
         &mut self,
-        estimate: &Estimate<f32>,
-        reference: &Reference<f32>,
+        estimate: Estimate<f32>,
+        reference: Reference<f32>,
         measured: PerAxis<f32>,
-    ) -> (PerMotor<f32>, PerMotor<f32>) {
+    ) -> Command<f32> {
+        let mut command = Command::idle(estimate, reference);
         match self.supervisor.state() {
             State::Armed => {
-                let allocation = self.pipeline.act(*estimate, reference).allocation;
-                self.fault = allocation.fault;
-                (allocation.demand, allocation.volts)
+                command = self.pipeline.act(estimate, &reference);
+                self.fault = command.allocation.fault;
             }
             State::Checking => {
                 let (volts, verdict) = self.check.step(measured, self.still);
+                command.allocation.volts = volts;
                 self.checked |= verdict == Some(Verdict::Passed);
                 self.verdict = verdict;
-                (volts, volts)
             }
-            _ => (PerMotor::zero(), PerMotor::zero()),
+            State::Disarmed | State::Ready | State::Fault(_) => {}
         }
+        command
     }
 
     fn report(
         &mut self,
         inputs: &Inputs,
         conditions: Conditions,
-        estimate: &Estimate<f32>,
-        reference: &Reference<f32>,
-        demand: PerMotor<f32>,
+        command: Command<f32>,
         duty: PerMotor<Duty<f32>>,
     ) -> Outputs {
         let state = self.supervisor.state();
@@ -259,14 +262,14 @@ impl ControlLoop {
             tick: self.tick,
             state,
             conditions,
-            angle: estimate.state.angle,
-            rate: estimate.state.rate,
-            reference: reference.angle,
-            demand,
+            angle: command.estimate.state.angle,
+            rate: command.estimate.state.rate,
+            reference: command.reference.angle,
+            demand: command.allocation.demand,
             volts: self.latched,
             supply: inputs.supply,
         };
         self.tick = self.tick.wrapping_add(1);
-        Outputs { duty, enable: state.motors_may_turn(), verdict: self.verdict, frame }
+        Outputs { duty, enable: state.motors_may_turn(), verdict: self.verdict, command, frame }
     }
 }

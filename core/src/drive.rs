@@ -16,9 +16,7 @@ pub struct Duty<R>(R);
 impl<R: Real> Drive<R> {
     /// With this many compare steps from zero to full voltage.
     pub fn new(full_steps: u32) -> Self {
-        Self {
-            full_steps: R::from_i32(full_steps.cast_signed()),
-        }
+        Self { full_steps: R::from_i32(full_steps.cast_signed()) }
     }
 
     /// The duty that comes nearest to `volts` from a supply of `supply` [V]; at most full either way. Zero if
@@ -45,10 +43,7 @@ impl<R: Real> Drive<R> {
 impl Duty<f32> {
     /// In compare steps, negative for reverse.
     #[inline]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a whole number within ±full_steps, by construction"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number within ±full_steps, by construction")]
     pub fn steps(self) -> i32 {
         self.0 as i32
     }

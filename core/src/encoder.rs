@@ -42,12 +42,7 @@ pub struct Encoder {
 impl Encoder {
     /// An encoder whose counter now shows `reading`, where its position is `position` counts from its zero.
     pub fn new(width: CounterWidth, angle_per_count: f32, reading: u32, position: i32) -> Self {
-        Self {
-            width,
-            angle_per_count,
-            last: reading,
-            position,
-        }
+        Self { width, angle_per_count, last: reading, position }
     }
 
     /// Takes a reading of the counter and gives the angle [rad] from zero. Higher bits than the counter has are

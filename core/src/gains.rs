@@ -19,16 +19,8 @@ pub struct AxisGains<R> {
 pub type Gains<R> = PerAxis<AxisGains<R>>;
 
 /// Table 4 of the paper: 4.2, 24.6, 2.28, 10.8.
-pub const PAPER: Gains<f64> = Gains {
-    pitch: AxisGains {
-        position: 4.2,
-        rate: 24.6,
-    },
-    yaw: AxisGains {
-        position: 2.28,
-        rate: 10.8,
-    },
-};
+pub const PAPER: Gains<f64> =
+    Gains { pitch: AxisGains { position: 4.2, rate: 24.6 }, yaw: AxisGains { position: 2.28, rate: 10.8 } };
 
 /// The paper's search space for each gain (Table 2).
 pub const PAPER_BOUNDS: [f64; 2] = [1.0, 25.0];
@@ -58,10 +50,7 @@ impl<R: Copy> Gains<R> {
 impl Gains<f64> {
     /// Every gain finite and above zero, as the law's stability proof asks.
     pub fn validate(&self) -> Result<(), Invalid> {
-        NAMES
-            .into_iter()
-            .zip(self.to_paper_order())
-            .try_for_each(|(name, value)| positive(name, value))
+        NAMES.into_iter().zip(self.to_paper_order()).try_for_each(|(name, value)| positive(name, value))
     }
 }
 

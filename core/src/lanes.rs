@@ -210,10 +210,7 @@ mod tests {
     fn same(lanes: Lanes<4>, scalar: impl Fn(usize) -> f32) -> Result<(), TestCaseError> {
         for k in 0..4 {
             let (a, b) = (lanes.lane(k), scalar(k));
-            prop_assert!(
-                a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()),
-                "lane {k}: {a} {b}"
-            );
+            prop_assert!(a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()), "lane {k}: {a} {b}");
         }
         Ok(())
     }

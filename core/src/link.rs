@@ -4,7 +4,7 @@
 //! occurs inside, so a receiver that comes late, or loses bytes, is in step again after the next one; what is damaged fails
 //! its CRC and is dropped.
 
-use crate::control_loop::Command;
+use crate::control_loop::Wish;
 use crate::first_power::Verdict;
 use crate::parameters::{ParameterError, Parameters};
 use crate::supervisor::Condition;
@@ -32,7 +32,7 @@ pub enum ToBoard {
     /// Who are you? Answered by [`ToHost::Identity`].
     Identify,
     /// Something for the control loop; what came of it is in the telemetry.
-    Control(Command),
+    Control(Wish),
     /// A frame every so many ticks from now on, 1 to 1000.
     Telemetry {
         /// \[ticks\]
@@ -124,7 +124,9 @@ pub enum Refusal {
 impl From<ParameterError> for Refusal {
     fn from(error: ParameterError) -> Self {
         match error {
-            ParameterError::Range { field, allowed } => Self::Range { field: text(field), allowed: text(allowed) },
+            ParameterError::Range { field, allowed } => {
+                Self::Range { field: text(field), allowed: text(allowed) }
+            }
             ParameterError::Damaged | ParameterError::Version { .. } | ParameterError::TooLong => Self::Flash,
         }
     }
@@ -212,7 +214,8 @@ impl Decoder {
 
 fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, LinkError> {
     let length = cobs::decode_in_place(frame).map_err(|_| LinkError::Damaged)?;
-    let (body, crc) = frame.get(..length).and_then(<[u8]>::split_last_chunk::<CRC_SIZE>).ok_or(LinkError::Damaged)?;
+    let (body, crc) =
+        frame.get(..length).and_then(<[u8]>::split_last_chunk::<CRC_SIZE>).ok_or(LinkError::Damaged)?;
     if CRC.checksum(body) != u32::from_le_bytes(*crc) {
         return Err(LinkError::Damaged);
     }

@@ -229,10 +229,10 @@ impl Motion {
         self.pushed = self.pushed.scaled(self.keep).plus(accel.scaled(self.sample_time));
         let shown = rate.minus(self.slow_rate);
         PerAxis {
-            pitch: self.disagreement.pitch.over(
-                contradicts(self.pushed.pitch, shown.pitch, self.least.pitch),
-                MOTION_TICKS,
-            ),
+            pitch: self
+                .disagreement
+                .pitch
+                .over(contradicts(self.pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS),
             yaw: self
                 .disagreement
                 .yaw

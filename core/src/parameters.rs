@@ -89,7 +89,10 @@ impl Parameters {
     pub fn new(rig: &Rig, settings: &Settings<f64>) -> Self {
         let scale = |counts: u32, rest: f64| {
             let angle_per_count = core::f64::consts::TAU / f64::from(counts);
-            EncoderScale { angle_per_count: f32::from_f64(angle_per_count), rest_counts: round(rest / angle_per_count) }
+            EncoderScale {
+                angle_per_count: f32::from_f64(angle_per_count),
+                rest_counts: round(rest / angle_per_count),
+            }
         };
         let highest = rig.volts_limit.main.max(rig.volts_limit.tail);
         Self {
@@ -125,7 +128,8 @@ impl Parameters {
         if found != VERSION {
             return Err(ParameterError::Version { found });
         }
-        let (parameters, rest) = postcard::take_from_bytes::<Self>(rest).map_err(|_| ParameterError::Damaged)?;
+        let (parameters, rest) =
+            postcard::take_from_bytes::<Self>(rest).map_err(|_| ParameterError::Damaged)?;
         if !rest.is_empty() {
             return Err(ParameterError::Damaged);
         }

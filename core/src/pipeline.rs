@@ -10,6 +10,7 @@ use crate::plant::presets::Rig;
 use crate::plant::{Effectiveness, PlantParameters, RigidBody};
 use crate::real::Real;
 use crate::reference::Reference;
+use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
 /// What a controller is made from: the user's numbers, before anything is derived from them.
@@ -43,6 +44,17 @@ impl Settings<f64> {
             gains,
             estimator: EstimatorSettings::laboratory(100.0),
         }
+    }
+
+    /// Every number finite and usable.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        positive("sample_time", self.sample_time)?;
+        self.model.validate()?;
+        self.effectiveness.validate_inverse()?;
+        positive("volts_limit.main", self.volts_limit.main)?;
+        positive("volts_limit.tail", self.volts_limit.tail)?;
+        self.gains.validate()?;
+        self.estimator.validate()
     }
 }
 
@@ -82,6 +94,13 @@ pub struct Command<R: Real> {
     pub allocation: Allocation<R>,
 }
 
+impl<R: Real> Command<R> {
+    /// Motors off.
+    pub fn idle(estimate: Estimate<R>, reference: Reference<R>) -> Self {
+        Self { estimate, reference, torque: PerAxis::zero(), allocation: Allocation::none() }
+    }
+}
+
 impl<R: Real> Pipeline<R> {
     /// Ready to start at `angle` [rad], at rest.
     pub fn new(settings: &Settings<R>, angle: PerAxis<R>) -> Self {
@@ -116,12 +135,7 @@ impl<R: Real> Pipeline<R> {
     pub fn act(&mut self, estimate: Estimate<R>, reference: &Reference<R>) -> Command<R> {
         let torque = self.law.torque(&self.model, &estimate, reference);
         let demand = self.allocator.demand(torque);
-        Command {
-            estimate,
-            reference: *reference,
-            torque,
-            allocation: self.allocator.allocate(demand),
-        }
+        Command { estimate, reference: *reference, torque, allocation: self.allocator.allocate(demand) }
     }
 
     /// \[V\] The limits in force.

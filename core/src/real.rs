@@ -188,38 +188,18 @@ macro_rules! scalar {
     };
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what it is for"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what it is for")]
 const fn f32_from_f64(value: f64) -> f32 {
     value as f32
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "rounding to the nearest f32 is what it is for"
-)]
+#[expect(clippy::cast_precision_loss, reason = "rounding to the nearest f32 is what it is for")]
 const fn f32_from_i32(value: i32) -> f32 {
     value as f32
 }
 
-scalar!(
-    f32,
-    12_582_912.0,
-    libm::sqrtf,
-    crate::trig::sin_cos,
-    f32_from_f64,
-    f32_from_i32
-);
-scalar!(
-    f64,
-    6_755_399_441_055_744.0,
-    libm::sqrt,
-    libm::sincos,
-    f64::from,
-    f64::from
-);
+scalar!(f32, 12_582_912.0, libm::sqrtf, crate::trig::sin_cos, f32_from_f64, f32_from_i32);
+scalar!(f64, 6_755_399_441_055_744.0, libm::sqrt, libm::sincos, f64::from, f64::from);
 
 #[cfg(test)]
 mod tests {

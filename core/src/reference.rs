@@ -25,11 +25,7 @@ impl<R: Real> Reference<R> {
     /// Stay at `angle` [rad].
     #[inline(always)]
     pub fn at_rest(angle: PerAxis<R>) -> Self {
-        Self {
-            angle,
-            rate: PerAxis::zero(),
-            accel: PerAxis::zero(),
-        }
+        Self { angle, rate: PerAxis::zero(), accel: PerAxis::zero() }
     }
 
     /// The same in every lane.
@@ -76,11 +72,7 @@ pub enum Profile<R> {
 impl<R: Real<Scalar = R>> Profile<R> {
     /// `angle` [rad] from tick 0 on.
     pub fn hold(angle: f64) -> Self {
-        Self::Steps {
-            initial: R::from_f64(angle),
-            jumps: Vec::new(),
-            period: 0,
-        }
+        Self::Steps { initial: R::from_f64(angle), jumps: Vec::new(), period: 0 }
     }
 
     /// offset + amplitude sin(ω t + phase): `offset`, `amplitude`, `phase` in rad, ω = `frequency` in rad/s of at
@@ -99,34 +91,16 @@ impl<R: Real<Scalar = R>> Profile<R> {
     #[inline]
     pub fn at(&self, tick: u32) -> [R; 3] {
         match self {
-            Self::Steps {
-                initial,
-                jumps,
-                period,
-            } => {
+            Self::Steps { initial, jumps, period } => {
                 let tick = if *period == 0 { tick } else { tick % period };
                 let reached = jumps.iter().rev().find(|(from, _)| *from <= tick);
-                [
-                    reached.map_or(*initial, |(_, angle)| *angle),
-                    R::zero(),
-                    R::zero(),
-                ]
+                [reached.map_or(*initial, |(_, angle)| *angle), R::zero(), R::zero()]
             }
-            Self::Sine {
-                offset,
-                amplitude,
-                frequency,
-                phase_step,
-                phase,
-            } => {
+            Self::Sine { offset, amplitude, frequency, phase_step, phase } => {
                 let phase = phase.wrapping_add(phase_step.wrapping_mul(u64::from(tick)));
                 let (sine, cosine) = angle_of::<R>(phase).sin_cos();
                 let rate = *amplitude * *frequency;
-                [
-                    *offset + *amplitude * sine,
-                    rate * cosine,
-                    -(rate * *frequency) * sine,
-                ]
+                [*offset + *amplitude * sine, rate * cosine, -(rate * *frequency) * sine]
             }
         }
     }
@@ -147,10 +121,7 @@ fn turns(turns: f64) -> u64 {
 /// \[rad\] A phase as an angle in -π..π. Its upper half alone carries 2⁻³² turn, enough for `f32`; the lower
 /// half serves `f64`.
 #[inline]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the two halves of the phase, on purpose"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "the two halves of the phase, on purpose")]
 fn angle_of<R: Real>(phase: u64) -> R {
     let upper = R::from_i32(((phase >> 32) as u32).cast_signed());
     let lower = R::from_i32(((phase as u32) >> 1).cast_signed());
@@ -180,10 +151,7 @@ impl<R: Real<Scalar = R>> Trajectory<R> {
 
     /// Scenario 1 and scenario 3 as printed, eqs (32)-(33) and (36)-(37): pitch 20 degrees, yaw 40 sin(.08 t) degrees.
     pub fn paper_sine(sample_time: f64) -> Self {
-        Self::new(
-            Profile::hold(20.0 * DEGREE),
-            Profile::sine(0.0, 40.0 * DEGREE, 0.08, 0.0, sample_time),
-        )
+        Self::new(Profile::hold(20.0 * DEGREE), Profile::sine(0.0, 40.0 * DEGREE, 0.08, 0.0, sample_time))
     }
 
     /// Scenario 2, eqs (34)-(35): pitch 10 degrees, yaw jumps at 8, 16, 24 and 32 s. (The text under Fig. 7 says 8, 16,
@@ -268,14 +236,8 @@ mod tests {
     fn scenario_2_jumps_at_the_equations_times() {
         let t = Trajectory::<f64>::paper_square_yaw(DT);
         let yaw = |tick| (t.at(tick).angle.yaw / DEGREE).round();
-        let seen = [
-            0, 7_999, 8_000, 15_999, 16_000, 23_999, 24_000, 31_999, 32_000, 40_000,
-        ]
-        .map(yaw);
-        assert_eq!(
-            seen,
-            [0.0, 0.0, -10.0, -10.0, -5.0, -5.0, 10.0, 10.0, -20.0, -20.0]
-        );
+        let seen = [0, 7_999, 8_000, 15_999, 16_000, 23_999, 24_000, 31_999, 32_000, 40_000].map(yaw);
+        assert_eq!(seen, [0.0, 0.0, -10.0, -10.0, -5.0, -5.0, 10.0, 10.0, -20.0, -20.0]);
         assert_eq!(t.at(9_000).rate, PerAxis::zero());
     }
 

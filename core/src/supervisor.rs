@@ -300,7 +300,10 @@ impl Supervisor {
     pub fn step(&mut self, present: Conditions, request: Option<Request>) -> State {
         let hazards = present.intersection(Conditions::HAZARDS);
         let event = event(hazards, present, request);
-        self.state = match (TRANSITIONS.get(self.state.row()).and_then(|row| row.get(event as usize)), hazards.first()) {
+        self.state = match (
+            TRANSITIONS.get(self.state.row()).and_then(|row| row.get(event as usize)),
+            hazards.first(),
+        ) {
             (Some(To(next)), _) => *next,
             (Some(Latch), Some(cause)) => State::Fault(cause),
             _ => self.state,

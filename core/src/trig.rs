@@ -23,11 +23,7 @@ const HALF_PI: [f64; 3] = [1.570_312_5, 4.837_512_969_970_703e-4, 7.549_789_954_
 /// (sin r - r)/r^3 in powers of r^2, |r| <= pi/4. Minimax coefficients of the Cephes library's `sinf`.
 const SINE: [f64; 3] = [-1.666_665_461_1e-1, 8.332_160_873_6e-3, -1.951_529_589_1e-4];
 /// (cos r - 1 + r^2/2)/r^4 in powers of r^2, |r| <= pi/4. Minimax coefficients of the Cephes library's `cosf`.
-const COSINE: [f64; 3] = [
-    4.166_664_568_298_827e-2,
-    -1.388_731_625_493_765e-3,
-    2.443_315_711_809_948e-5,
-];
+const COSINE: [f64; 3] = [4.166_664_568_298_827e-2, -1.388_731_625_493_765e-3, 2.443_315_711_809_948e-5];
 
 /// Sine and cosine of `x` [rad] in single precision, without a branch.
 ///
@@ -87,16 +83,10 @@ mod tests {
         let libm = worst(step, libm::sincosf);
         let micro = worst(step, micromath_sin_cos);
         for (name, w) in [("polynomial", ours), ("libm", libm), ("micromath", micro)] {
-            println!(
-                "{name:>10}: sine {:.3} ulp, cosine {:.3} ulp, absolute {:.2e}",
-                w.0, w.1, w.2
-            );
+            println!("{name:>10}: sine {:.3} ulp, cosine {:.3} ulp, absolute {:.2e}", w.0, w.1, w.2);
         }
         assert!(ours.0 < 1.5 && ours.1 < 1.5 && ours.2 < 8.5e-8, "{ours:?}");
-        assert!(
-            micro.2 > 1e3 * ours.2,
-            "micromath is good enough now: compare again"
-        );
+        assert!(micro.2 > 1e3 * ours.2, "micromath is good enough now: compare again");
     }
 
     fn micromath_sin_cos(x: f32) -> (f32, f32) {

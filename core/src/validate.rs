@@ -43,13 +43,5 @@ pub(crate) fn require(
     holds: bool,
     allowed: &'static str,
 ) -> Result<(), Invalid> {
-    if value.is_finite() && holds {
-        Ok(())
-    } else {
-        Err(Invalid {
-            field,
-            value,
-            allowed,
-        })
-    }
+    if value.is_finite() && holds { Ok(()) } else { Err(Invalid { field, value, allowed }) }
 }

@@ -57,7 +57,8 @@ pub(crate) fn read_and_clear() -> Option<ResetReport> {
     };
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
-    let written = note.magic == MAGIC && note.check == note.magic ^ note.code ^ note.program_counter ^ note.ticks;
+    let written =
+        note.magic == MAGIC && note.check == note.magic ^ note.code ^ note.program_counter ^ note.ticks;
     let plain = |cause| Some(ResetReport { cause, program_counter: 0, ticks: 0 });
     match CAUSES.get(note.code as usize) {
         Some(&cause) if written => {
@@ -80,7 +81,13 @@ fn end(cause: Condition, program_counter: u32) -> ! {
     #[expect(unsafe_code, reason = "the record in RAM")]
     // SAFETY: nothing else runs any more, and after the reset only `read_and_clear` looks.
     unsafe {
-        RESET_RECORD.0.get().cast::<Note>().write_volatile(Note { magic: MAGIC, code, program_counter, ticks, check });
+        RESET_RECORD.0.get().cast::<Note>().write_volatile(Note {
+            magic: MAGIC,
+            code,
+            program_counter,
+            ticks,
+            check,
+        });
     }
     SCB::sys_reset()
 }
@@ -142,6 +149,7 @@ extern "C" fn fault(stack_pointer: u32) -> ! {
 }
 
 #[exception]
+#[allow(unsafe_code, reason = "the attribute asks for it")]
 unsafe fn DefaultHandler(_: i16) -> ! {
     end(Condition::ResetByFault, 0)
 }

@@ -42,7 +42,8 @@ async fn main(spawner: embassy_executor::Spawner) {
     let board = board::start();
     last_words::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
-    let (reports, orders) = tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
+    let (reports, orders) =
+        tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
     defmt::info!("{}: reset reported {}, {}", board::CHIP, reset.is_some(), provenance.name());
     serial::start(spawner, board.serial, storage, parameters, reset, reports, orders);
     spawner.spawn(led::show(board.led).expect("spawned once"));

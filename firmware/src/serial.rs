@@ -14,7 +14,9 @@ use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
 use embassy_time::{Duration, Instant, Ticker, Timer};
 use static_cell::StaticCell;
-use twinrotor::link::{self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost};
+use twinrotor::link::{
+    self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
+};
 use twinrotor::parameters::Parameters;
 
 /// Answers on their way out.
@@ -135,8 +137,8 @@ impl Operator {
         match message {
             ToBoard::Alive => None,
             ToBoard::Identify => Some(self.identity()),
-            ToBoard::Control(command) => {
-                let full = self.orders.enqueue(Order::Command(command)).is_err();
+            ToBoard::Control(wish) => {
+                let full = self.orders.enqueue(Order::Wish(wish)).is_err();
                 full.then_some(ToHost::Refused(Refusal::Busy))
             }
             ToBoard::Telemetry { every } => {

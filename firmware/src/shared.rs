@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer};
-use twinrotor::control_loop::Command;
+use twinrotor::control_loop::Wish;
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::Parameters;
 use twinrotor::telemetry::Frame;
@@ -15,7 +15,7 @@ pub(crate) enum Report {
 
 /// From the thread to the tick.
 pub(crate) enum Order {
-    Command(Command),
+    Wish(Wish),
     /// These parameters from now on; only sent while [`Maintenance::Granted`].
     Adopt(Parameters),
 }

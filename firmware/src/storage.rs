@@ -52,11 +52,13 @@ impl Storage {
     pub(crate) fn save(&mut self, parameters: &Parameters) -> Result<(), ParameterError> {
         let mut payload = [0; MAX_PAYLOAD];
         let payload = parameters.encode(&mut payload)?;
-        watchdog::lengthened(|| self.store.save(payload, &mut self.buffer)).map_err(|_| ParameterError::Damaged)
+        watchdog::lengthened(|| self.store.save(payload, &mut self.buffer))
+            .map_err(|_| ParameterError::Damaged)
     }
 }
 
 /// What is compiled in; `build.rs` makes it with the same code.
 fn defaults() -> Parameters {
-    Parameters::decode(include_bytes!(concat!(env!("OUT_DIR"), "/defaults.bin"))).expect("build.rs has checked it")
+    Parameters::decode(include_bytes!(concat!(env!("OUT_DIR"), "/defaults.bin")))
+        .expect("build.rs has checked it")
 }

@@ -2,8 +2,8 @@
 
 use crate::port::{EncoderPwmPort, PlantPort, amplifier};
 use crate::shared::{
-    FRAME_EVERY, FRAMES_DROPPED, HEARD, LED_PATTERN, Maintenance, ORDERS, Order, Orders, REPORTS, Report, Reports,
-    STACK_LOW, TICK_CYCLES_MAX, TICKS,
+    FRAME_EVERY, FRAMES_DROPPED, HEARD, LED_PATTERN, Maintenance, ORDERS, Order, Orders, REPORTS, Report,
+    Reports, STACK_LOW, TICK_CYCLES_MAX, TICKS,
 };
 use crate::storage::Provenance;
 use crate::{led, watchdog};
@@ -14,7 +14,7 @@ use cortex_m::peripheral::{DCB, DWT};
 use embassy_stm32::interrupt;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::StaticCell;
-use twinrotor::control_loop::{Command, ControlLoop, Inputs};
+use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
 use twinrotor::parameters::Parameters;
 use twinrotor::supervisor::{Condition, Conditions, State};
 
@@ -92,7 +92,7 @@ impl Tick {
         self.last_begin = begin;
         let sensed = self.port.sense();
         let order = self.orders.dequeue();
-        let command = self.take(order);
+        let wish = self.take(order);
         let outputs = self.control.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -106,7 +106,7 @@ impl Tick {
                 .with(Condition::ParametersInvalid, self.provenance == Provenance::Invalid)
                 .with(Condition::ParametersMissing, self.provenance == Provenance::Missing),
             heard: HEARD.swap(false, Ordering::Relaxed),
-            command,
+            wish,
         });
         self.port.write(outputs.duty, outputs.enable);
         if let Some(verdict) = outputs.verdict {
@@ -140,9 +140,9 @@ impl Tick {
         answer
     }
 
-    fn take(&mut self, order: Option<Order>) -> Option<Command> {
+    fn take(&mut self, order: Option<Order>) -> Option<Wish> {
         match order? {
-            Order::Command(command) => Some(command),
+            Order::Wish(wish) => Some(wish),
             Order::Adopt(parameters) => {
                 let counters = self.port.counters();
                 self.control.adopt(&parameters, counters, self.port.drive());

@@ -23,12 +23,7 @@ impl<R: Real> FilteredDerivative<R> {
     /// At rest at `angle` [rad]; `bandwidth` [rad/s], `sample_time` [s].
     pub fn new(bandwidth: PerAxis<R>, angle: PerAxis<R>, sample_time: R) -> Self {
         let keep = bandwidth.map(|w| bilinear_decay(w * sample_time));
-        Self {
-            keep,
-            take: keep.map(|a| (R::one() - a) / sample_time),
-            last: angle,
-            rate: PerAxis::zero(),
-        }
+        Self { keep, take: keep.map(|a| (R::one() - a) / sample_time), last: angle, rate: PerAxis::zero() }
     }
 
     /// Takes the measured angles [rad].
@@ -36,14 +31,8 @@ impl<R: Real> FilteredDerivative<R> {
     pub fn update(&mut self, measured: PerAxis<R>) -> Estimate<R> {
         let moved = measured.minus(self.last);
         self.last = measured;
-        self.rate = self
-            .keep
-            .zip(self.rate, |a, v| a * v)
-            .plus(self.take.zip(moved, |b, d| b * d));
-        Estimate::exact(State {
-            angle: measured,
-            rate: self.rate,
-        })
+        self.rate = self.keep.zip(self.rate, |a, v| a * v).plus(self.take.zip(moved, |b, d| b * d));
+        Estimate::exact(State { angle: measured, rate: self.rate })
     }
 }
 

@@ -7,6 +7,7 @@ pub use filtered_derivative::{FilteredDerivative, bilinear_decay};
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::State;
 use crate::real::Real;
+use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
 /// What is believed of the helicopter.
@@ -22,10 +23,7 @@ impl<R: Real> Estimate<R> {
     /// The truth, as the paper's world gives it to the law.
     #[inline(always)]
     pub fn exact(state: State<R>) -> Self {
-        Self {
-            state,
-            disturbance: PerAxis::zero(),
-        }
+        Self { state, disturbance: PerAxis::zero() }
     }
 }
 
@@ -43,18 +41,25 @@ pub enum EstimatorSettings<R> {
 impl<R: Real> EstimatorSettings<R> {
     /// The bandwidth of 100 rad/s that laboratories use.
     pub const fn laboratory(bandwidth: R) -> Self {
-        Self::FilteredDerivative {
-            bandwidth: PerAxis::both(bandwidth),
-        }
+        Self::FilteredDerivative { bandwidth: PerAxis::both(bandwidth) }
     }
 
     /// Each number through `f`.
     pub fn map<U>(self, f: impl FnMut(R) -> U) -> EstimatorSettings<U> {
         match self {
-            Self::FilteredDerivative { bandwidth } => EstimatorSettings::FilteredDerivative {
-                bandwidth: bandwidth.map(f),
-            },
+            Self::FilteredDerivative { bandwidth } => {
+                EstimatorSettings::FilteredDerivative { bandwidth: bandwidth.map(f) }
+            }
         }
+    }
+}
+
+impl EstimatorSettings<f64> {
+    /// Every number finite and above zero.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let Self::FilteredDerivative { bandwidth } = self;
+        positive("estimator.filtered-derivative.bandwidth.pitch", bandwidth.pitch)?;
+        positive("estimator.filtered-derivative.bandwidth.yaw", bandwidth.yaw)
     }
 }
 

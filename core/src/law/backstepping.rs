@@ -51,10 +51,7 @@ impl<R: Real> Backstepping<R> {
     pub fn errors(&self, estimate: &Estimate<R>, reference: &Reference<R>) -> Errors<R> {
         let angle = reference.angle.minus(estimate.state.angle);
         let virtual_rate = reference.rate.plus(self.gains.zip(angle, |g, e| g.position * e));
-        Errors {
-            angle,
-            rate: virtual_rate.minus(estimate.state.rate),
-        }
+        Errors { angle, rate: virtual_rate.minus(estimate.state.rate) }
     }
 }
 
@@ -152,11 +149,7 @@ mod tests {
         let body = RigidBody::new(&presets::PAPER.plant);
         let angle = PerAxis::new(0.3, -0.5);
         let mut law = Backstepping::new(gains::PAPER);
-        let torque = law.torque(
-            &body,
-            &Estimate::exact(State::at_rest(angle)),
-            &Reference::at_rest(angle),
-        );
+        let torque = law.torque(&body, &Estimate::exact(State::at_rest(angle)), &Reference::at_rest(angle));
         assert!((torque.pitch - 1.075 * 9.8 * 0.002 * 0.3_f64.cos()).abs() < 1e-15);
         assert_eq!(torque.yaw, 0.0);
     }

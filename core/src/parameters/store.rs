@@ -83,7 +83,10 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// The flash driver's own.
-    pub fn load<'b>(&mut self, buffer: &'b mut [u8; SLOT_SIZE]) -> Result<Option<&'b [u8]>, StoreError<F::Error>> {
+    pub fn load<'b>(
+        &mut self,
+        buffer: &'b mut [u8; SLOT_SIZE],
+    ) -> Result<Option<&'b [u8]>, StoreError<F::Error>> {
         let Some(found) = self.newest(buffer)? else { return Ok(None) };
         self.flash.read(self.address(found.page, found.slot), buffer)?;
         Ok(payload(buffer).map(|(_, payload)| payload))

@@ -17,10 +17,7 @@ impl<R: Real> State<R> {
     /// At rest at `angle` [rad].
     #[inline(always)]
     pub fn at_rest(angle: PerAxis<R>) -> Self {
-        Self {
-            angle,
-            rate: PerAxis::zero(),
-        }
+        Self { angle, rate: PerAxis::zero() }
     }
 
     /// Are all four numbers finite?

@@ -62,10 +62,7 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
     /// Where it is now.
     #[inline(always)]
     pub fn state(&self) -> State<R> {
-        State {
-            angle: self.angle.map(Compensated::value),
-            rate: self.rate.map(Compensated::value),
-        }
+        State { angle: self.angle.map(Compensated::value), rate: self.rate.map(Compensated::value) }
     }
 
     /// Its rotors.
@@ -94,41 +91,29 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         let two = R::from_f64(2.0);
         let mean = |k1: R, k2: R, k3: R, k4: R| sixth * ((k1 + k4) + two * (k2 + k3));
         let (angle, rate) = (&mut self.angle, &mut self.rate);
-        angle
-            .pitch
-            .add(mean(x.rate.pitch, x2.rate.pitch, x3.rate.pitch, x4.rate.pitch));
-        angle
-            .yaw
-            .add(mean(x.rate.yaw, x2.rate.yaw, x3.rate.yaw, x4.rate.yaw));
+        angle.pitch.add(mean(x.rate.pitch, x2.rate.pitch, x3.rate.pitch, x4.rate.pitch));
+        angle.yaw.add(mean(x.rate.yaw, x2.rate.yaw, x3.rate.yaw, x4.rate.yaw));
         rate.pitch.add(mean(a1.pitch, a2.pitch, a3.pitch, a4.pitch));
         rate.yaw.add(mean(a1.yaw, a2.yaw, a3.yaw, a4.yaw));
     }
 
     #[inline(always)]
     fn accel(&self, state: &State<R>, torque: PerAxis<R>) -> PerAxis<R> {
-        let torque = if self.has_friction {
-            torque.minus(self.friction(state.rate))
-        } else {
-            torque
-        };
+        let torque = if self.has_friction { torque.minus(self.friction(state.rate)) } else { torque };
         self.body.at(state).accel(torque)
     }
 
     #[inline(always)]
     fn friction(&self, rate: PerAxis<R>) -> PerAxis<R> {
         let width = R::from_f64(FRICTION_WIDTH);
-        self.coulomb_friction
-            .zip(rate, |f, w| f * w / (w * w + width * width).sqrt())
+        self.coulomb_friction.zip(rate, |f, w| f * w / (w * w + width * width).sqrt())
     }
 }
 
 /// `state` moved on for `time` at the given rates and accelerations.
 #[inline(always)]
 fn moved<R: Real>(state: &State<R>, rate: &PerAxis<R>, accel: &PerAxis<R>, time: R) -> State<R> {
-    State {
-        angle: state.angle.plus(rate.scaled(time)),
-        rate: state.rate.plus(accel.scaled(time)),
-    }
+    State { angle: state.angle.plus(rate.scaled(time)), rate: state.rate.plus(accel.scaled(time)) }
 }
 
 #[cfg(test)]

@@ -27,12 +27,7 @@ impl<R: Real> Effectiveness<R> {
     }
 
     fn default_with(value: R) -> Self {
-        Self {
-            main_on_pitch: value,
-            tail_on_pitch: value,
-            main_on_yaw: value,
-            tail_on_yaw: value,
-        }
+        Self { main_on_pitch: value, tail_on_pitch: value, main_on_yaw: value, tail_on_yaw: value }
     }
 
     /// The torque on each axis [N m] of `volts`: eqs (5)-(6), U = K V.
@@ -109,8 +104,7 @@ impl<R: Real> PlantParameters<R> {
     /// Torque for each volt at `volts`, on the chord of the thrust curve: what a linear law takes for K.
     #[inline(always)]
     pub fn effectiveness_at(&self, volts: R) -> Effectiveness<R> {
-        self.effectiveness
-            .zip(self.quadratic_effectiveness, |a, b| a + b * volts.abs())
+        self.effectiveness.zip(self.quadratic_effectiveness, |a, b| a + b * volts.abs())
     }
 
     /// The same helicopter as the paper would see it: eqs (1)-(2) alone, no rotor lag, no reaction torque, no
@@ -184,16 +178,8 @@ const QUADRATIC_NAMES: [&str; 4] = [
 
 impl Effectiveness<f64> {
     fn validate(&self, names: &[&'static str; 4]) -> Result<(), Invalid> {
-        let values = [
-            self.main_on_pitch,
-            self.tail_on_pitch,
-            self.main_on_yaw,
-            self.tail_on_yaw,
-        ];
-        names
-            .iter()
-            .zip(values)
-            .try_for_each(|(name, value)| finite(name, value))
+        let values = [self.main_on_pitch, self.tail_on_pitch, self.main_on_yaw, self.tail_on_yaw];
+        names.iter().zip(values).try_for_each(|(name, value)| finite(name, value))
     }
 
     /// Can every torque be had from some volts? |det K| must be at least a thousandth of what its two products would

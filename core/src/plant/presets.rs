@@ -64,20 +64,12 @@ const RATE_ENVELOPE: PerAxis<f64> = PerAxis::new(10.0, 10.0);
 /// 168 MHz timer: 168e6 / 20e3 / 2 / 2.
 const PWM_STEPS: u32 = 2_100;
 
-const NO_EFFECTIVENESS: Effectiveness<f64> = Effectiveness {
-    main_on_pitch: 0.0,
-    tail_on_pitch: 0.0,
-    main_on_yaw: 0.0,
-    tail_on_yaw: 0.0,
-};
+const NO_EFFECTIVENESS: Effectiveness<f64> =
+    Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
 
 /// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous).
-const AERO_MOTOR: Motor = Motor {
-    resistance: 8.4,
-    back_emf: 0.042,
-    peak_current: 2.0,
-    continuous_current: 0.5,
-};
+const AERO_MOTOR: Motor =
+    Motor { resistance: 8.4, back_emf: 0.042, peak_current: 2.0, continuous_current: 0.5 };
 
 /// Table 3 as printed, limits ±24 V (section 5). In the rig's world, what the paper is silent on: the encoders of
 /// the Aero 2 (user manual: 2880 and 4096 counts) and a rotor lag of .05 s (an estimate from R and k_m of the
@@ -108,29 +100,17 @@ pub const PAPER: Rig = Rig {
     encoder_counts: PerAxis::new(2880, 4096),
     pwm_steps: PWM_STEPS,
     rest_angle: PerAxis::both(0.0),
-    envelope: Envelope {
-        pitch: PITCH_ENVELOPE,
-        rate: RATE_ENVELOPE,
-    },
+    envelope: Envelope { pitch: PITCH_ENVELOPE, rate: RATE_ENVELOPE },
     motor: None,
 };
 
 /// [`PAPER`] with the manufacturer's four thrust gains (Quanser Aero set-up file: Kpp .0011, Kpy .0021,
 /// Kyp -.0027, Kyy .0022 N m/V).
-pub const PAPER_FIXED: Rig = Rig {
-    plant: PlantParameters {
-        effectiveness: AERO_EFFECTIVENESS,
-        ..PAPER.plant
-    },
-    ..PAPER
-};
+pub const PAPER_FIXED: Rig =
+    Rig { plant: PlantParameters { effectiveness: AERO_EFFECTIVENESS, ..PAPER.plant }, ..PAPER };
 
-const AERO_EFFECTIVENESS: Effectiveness<f64> = Effectiveness {
-    main_on_pitch: 0.0011,
-    tail_on_pitch: 0.0021,
-    main_on_yaw: -0.0027,
-    tail_on_yaw: 0.0022,
-};
+const AERO_EFFECTIVENESS: Effectiveness<f64> =
+    Effectiveness { main_on_pitch: 0.0011, tail_on_pitch: 0.0021, main_on_yaw: -0.0027, tail_on_yaw: 0.0022 };
 
 /// Quanser Aero (2016) as its manufacturer's set-up file has it: J .0219/.0220, D .0071116/.0220, Ksp .037463 and
 /// the four thrust gains; encoders 2048/4096; ±24 V; rotor lag as fitted on the Aero 2, which has the same motors
@@ -228,10 +208,7 @@ pub const HELI: Rig = Rig {
     volts_limit: PerMotor::new(24.0, 15.0),
     encoder_counts: PerAxis::new(4096, 8192),
     rest_angle: PerAxis::new(-40.5 * DEGREE, 0.0),
-    envelope: Envelope {
-        pitch: 45.0 * DEGREE,
-        rate: RATE_ENVELOPE,
-    },
+    envelope: Envelope { pitch: 45.0 * DEGREE, rate: RATE_ENVELOPE },
     motor: None,
     ..AERO
 };
@@ -251,9 +228,7 @@ impl Rig {
     pub fn validate(&self) -> Result<(), Invalid> {
         self.plant.validate()?;
         not_negative("nominal_volts", self.nominal_volts)?;
-        self.plant
-            .effectiveness_at(self.nominal_volts)
-            .validate_inverse()?;
+        self.plant.effectiveness_at(self.nominal_volts).validate_inverse()?;
         positive("volts_limit.main", self.volts_limit.main)?;
         positive("volts_limit.tail", self.volts_limit.tail)?;
         for (field, counts) in [
@@ -261,20 +236,10 @@ impl Rig {
             ("encoder_counts.yaw", self.encoder_counts.yaw),
         ] {
             let counts = f64::from(counts);
-            require(
-                field,
-                counts,
-                (16.0..=1e6).contains(&counts),
-                "16 to 1000000 counts a revolution",
-            )?;
+            require(field, counts, (16.0..=1e6).contains(&counts), "16 to 1000000 counts a revolution")?;
         }
         let steps = f64::from(self.pwm_steps);
-        require(
-            "pwm_steps",
-            steps,
-            (16.0..=65_535.0).contains(&steps),
-            "16 to 65535",
-        )?;
+        require("pwm_steps", steps, (16.0..=65_535.0).contains(&steps), "16 to 65535")?;
         finite("rest_angle.pitch", self.rest_angle.pitch)?;
         finite("rest_angle.yaw", self.rest_angle.yaw)?;
         positive("envelope.pitch", self.envelope.pitch)?;
@@ -322,10 +287,7 @@ mod tests {
             let k = rig.plant.effectiveness;
             let allocator = crate::allocation::Allocator::new(k, rig.volts_limit);
             let volts = allocator.demand(PerAxis::new(weight, 0.0));
-            assert!(
-                (volts.main - main).abs() < 0.005 && (volts.tail - tail).abs() < 0.005,
-                "{volts:?}"
-            );
+            assert!((volts.main - main).abs() < 0.005 && (volts.tail - tail).abs() < 0.005, "{volts:?}");
         }
     }
 }

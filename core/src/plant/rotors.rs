@@ -32,9 +32,7 @@ pub struct IdealRotors<R> {
 
 impl<R: Real> Thrust<R> for IdealRotors<R> {
     fn new(parameters: &PlantParameters<f64>, _step: f64) -> Self {
-        Self {
-            effectiveness: parameters.effectiveness.map(R::from_f64),
-        }
+        Self { effectiveness: parameters.effectiveness.map(R::from_f64) }
     }
 
     #[inline(always)]
@@ -62,14 +60,9 @@ impl<R: Real> LaggedRotors<R> {
         let acting = self.volts.plus(disturbance);
         let squared = acting.map(|v| v * v.abs());
         let missing = applied.minus(self.volts);
-        let reaction = PerAxis {
-            pitch: self.reaction.tail * missing.tail,
-            yaw: self.reaction.main * missing.main,
-        };
-        self.linear
-            .torque(acting)
-            .plus(self.quadratic.torque(squared))
-            .plus(reaction)
+        let reaction =
+            PerAxis { pitch: self.reaction.tail * missing.tail, yaw: self.reaction.main * missing.main };
+        self.linear.torque(acting).plus(self.quadratic.torque(squared)).plus(reaction)
     }
 
     #[inline(always)]

@@ -5,11 +5,7 @@ use proptest::prelude::*;
 
 /// The paper's helicopter with a centre of mass so far out that the m L² terms matter, and no friction.
 fn free(rig: &Rig, length: f64) -> PlantParameters<f64> {
-    PlantParameters {
-        center_of_mass: length,
-        damping: PerAxis::zero(),
-        ..rig.plant.ideal(0.0)
-    }
+    PlantParameters { center_of_mass: length, damping: PerAxis::zero(), ..rig.plant.ideal(0.0) }
 }
 
 /// T + U of the Lagrangian that eqs (1)-(2) follow from:
@@ -34,10 +30,7 @@ fn yaw_momentum(p: &PlantParameters<f64>, s: &State<f64>) -> f64 {
 fn a_free_body_keeps_its_energy_and_its_momentum() {
     for (_, rig) in presets::ALL {
         let p = free(&rig, 0.2);
-        let start = State {
-            angle: PerAxis::new(0.4, 0.1),
-            rate: PerAxis::new(-0.7, 2.0),
-        };
+        let start = State { angle: PerAxis::new(0.4, 0.1), rate: PerAxis::new(-0.7, 2.0) };
         let mut plant = IdealPlant::<f64>::new(&p, start, 1e-3);
         for _ in 0..20_000 {
             plant.advance(PerMotor::zero(), PerMotor::zero());
@@ -106,10 +99,7 @@ fn coulomb_friction_sticks_and_slows() {
     // K_sp x .02 rad is less than the friction: it creeps by a part of the width, a third of an encoder count in 2 s.
     assert!((pushed.state().angle.pitch - 0.02).abs() < 2.0 * FRICTION_WIDTH);
 
-    let spinning = State {
-        angle: PerAxis::zero(),
-        rate: PerAxis::new(0.0, 1.0),
-    };
+    let spinning = State { angle: PerAxis::zero(), rate: PerAxis::new(0.0, 1.0) };
     let mut plant = RealPlant::<f64>::new(&p, spinning, 1e-3);
     for _ in 0..100 {
         plant.advance(PerMotor::zero(), PerMotor::zero());
