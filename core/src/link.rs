@@ -228,3 +228,112 @@ fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, LinkError> {
         None => Err(LinkError::Damaged),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axes::PerAxis;
+    use crate::gains;
+    use crate::parameters::SAMPLE_TIME;
+    use crate::pipeline::Settings;
+    use crate::plant::presets;
+    use crate::reference::Reference;
+    use crate::supervisor::Request;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    fn parameters() -> Parameters {
+        Parameters::new(&presets::AERO, &Settings::paper(&presets::AERO, gains::PAPER, SAMPLE_TIME))
+    }
+
+    fn to_board() -> impl Strategy<Value = ToBoard> {
+        let number = || prop::num::f32::NORMAL | prop::num::f32::ZERO;
+        let pair = move || (number(), number()).prop_map(|(p, y)| PerAxis::new(p, y));
+        prop_oneof![
+            Just(ToBoard::Alive),
+            Just(ToBoard::Identify),
+            Just(ToBoard::ReadParameters),
+            Just(ToBoard::Control(Wish::Zero)),
+            Just(ToBoard::Control(Wish::Request(Request::Arm))),
+            any::<u16>().prop_map(|every| ToBoard::Telemetry { every }),
+            (pair(), pair(), pair()).prop_map(|(angle, rate, accel)| {
+                ToBoard::Control(Wish::Setpoint(Reference { angle, rate, accel }))
+            }),
+            number().prop_map(|gain| {
+                let mut parameters = parameters();
+                parameters.settings.gains.yaw.rate = gain;
+                ToBoard::WriteParameters(parameters)
+            }),
+        ]
+    }
+
+    fn framed<M: Serialize>(message: &M) -> Vec<u8> {
+        encode(message, &mut [0; MAX_FRAME]).unwrap().to_vec()
+    }
+
+    fn feed<M: DeserializeOwned>(decoder: &mut Decoder, bytes: &[u8]) -> Vec<Result<M, LinkError>> {
+        bytes.iter().filter_map(|&byte| decoder.push(byte)).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_sent_arrives(messages in prop::collection::vec(to_board(), 1..8)) {
+            let bytes: Vec<u8> = messages.iter().flat_map(framed).collect();
+            let got = feed::<ToBoard>(&mut Decoder::new(), &bytes);
+            prop_assert_eq!(got, messages.into_iter().map(Ok).collect::<Vec<_>>());
+        }
+
+        /// Nothing that a broken line can do panics, and the message after the next zero byte arrives.
+        #[test]
+        fn noise_is_dropped_and_the_next_message_arrives(
+            noise in prop::collection::vec(any::<u8>(), 0..3000), message in to_board(),
+        ) {
+            let mut decoder = Decoder::new();
+            for got in feed::<ToBoard>(&mut decoder, &noise) {
+                prop_assert!(got.is_err());
+            }
+            decoder.push::<ToBoard>(0);
+            prop_assert_eq!(feed::<ToBoard>(&mut decoder, &framed(&message)), [Ok(message)]);
+        }
+
+        /// A flipped bit, a lost byte, a cut: never another message.
+        #[test]
+        fn damage_is_noticed(message in to_board(), at in any::<prop::sample::Index>(), flip in 1_u8.., cut in any::<bool>()) {
+            let mut bytes = framed(&message);
+            let at = at.index(bytes.len() - 1);
+            if cut { bytes.remove(at); } else { bytes[at] ^= flip; }
+            for got in feed::<ToBoard>(&mut Decoder::new(), &bytes) {
+                prop_assert!(got.is_err(), "{:?}", got);
+            }
+        }
+    }
+
+    /// The bytes themselves, so that a change of the protocol cannot go unnoticed: version 1, variant 0, CRC-32.
+    #[test]
+    fn alive_on_the_wire() {
+        let crc = CRC.checksum(&[VERSION, 0]).to_le_bytes();
+        let frame = framed(&ToBoard::Alive);
+        assert_eq!(frame[..2], [2, VERSION]);
+        assert_eq!(frame.last(), Some(&0));
+        assert!(frame.windows(4).any(|window| window == crc), "{frame:?} holds {crc:?}");
+    }
+
+    #[test]
+    fn another_version_is_named() {
+        let mut plain = [VERSION + 1, 0, 0, 0, 0, 0];
+        let crc = CRC.checksum(&plain[..2]).to_le_bytes();
+        plain[2..].copy_from_slice(&crc);
+        let mut frame = [0; 16];
+        let length = cobs::try_encode(&plain, &mut frame).unwrap();
+        let got = feed::<ToBoard>(&mut Decoder::new(), &frame[..=length]);
+        assert_eq!(got, [Err(LinkError::Version { found: VERSION + 1 })]);
+    }
+
+    #[test]
+    fn every_answer_fits() {
+        let refusal = ToHost::Refused(Refusal::from(ParameterError::Range { field: "f", allowed: "a" }));
+        for message in [ToHost::Parameters(parameters()), ToHost::Frame(Frame::default()), refusal] {
+            assert_eq!(feed::<ToHost>(&mut Decoder::new(), &framed(&message)), [Ok(message)]);
+        }
+    }
+}

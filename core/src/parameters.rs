@@ -200,3 +200,6 @@ fn not_negative(field: &'static str, value: f32) -> Result<(), ParameterError> {
 fn round(counts: f64) -> i32 {
     libm::round(counts) as i32
 }
+
+#[cfg(test)]
+mod tests;
