@@ -273,3 +273,6 @@ impl ControlLoop {
         Outputs { duty, enable: state.motors_may_turn(), verdict: self.verdict, command, frame }
     }
 }
+
+#[cfg(test)]
+mod tests;
