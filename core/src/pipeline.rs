@@ -125,6 +125,13 @@ pub struct Command<R: Real> {
     pub allocation: Allocation<R>,
 }
 
+impl<R: Real> Command<R> {
+    /// Motors off.
+    pub fn idle(estimate: Estimate<R>, reference: Reference<R>) -> Self {
+        Self { estimate, reference, torque: PerAxis::zero(), allocation: Allocation::none() }
+    }
+}
+
 impl<R: Real> Pipeline<R> {
     /// Ready to start at `angle` [rad], at rest.
     pub fn new(settings: &Settings<R>, angle: PerAxis<R>) -> Self {

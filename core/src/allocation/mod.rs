@@ -8,7 +8,7 @@ pub use current_limit::{CurrentLimit, CurrentLimitSettings};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 use weighted::Weighted;
@@ -91,6 +91,16 @@ pub struct Allocation<R: Real> {
 }
 
 impl<R: Real> Allocation<R> {
+    /// Nothing asked for, nothing given.
+    pub fn none() -> Self {
+        Self {
+            volts: PerMotor::zero(),
+            demand: PerMotor::zero(),
+            unallocated_torque: PerAxis::zero(),
+            fault: R::Mask::splat(false),
+        }
+    }
+
     /// Was more asked of a motor than its limit allows?
     #[inline(always)]
     pub fn saturated(&self, limit: PerMotor<R>) -> PerMotor<R::Mask> {
