@@ -5,6 +5,7 @@
 mod bench;
 mod common;
 mod flash;
+mod compare;
 mod simulate;
 mod tables;
 mod tune;
@@ -30,6 +31,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Breed gains by flower pollination, set them beside the paper's and write them to a file
     Tune(tune::Args),
+    /// Controllers side by side on hundreds of plants that none was tuned on
+    Compare(compare::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
@@ -45,6 +48,7 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Flash(args) => flash::run(&args),
     };

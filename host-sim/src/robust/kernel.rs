@@ -48,23 +48,37 @@ pub(super) struct Schedule {
 
 /// The scores of up to [`LANES`] plants.
 pub(super) fn scores(rig: &Rig, settings: &Settings<f32>, plants: &[Draw], when: Schedule) -> Vec<Score> {
+    let closed_loop = side_by_side(rig, settings, plants);
+    let disturbance = each_motor(plants, |d| d.disturbance);
+    let limit = settings.volts_limit.map(Group::splat);
+    let sums = fly(closed_loop, disturbance, &rig.envelope, limit, when);
+    (0..plants.len()).map(|k| score(&sums, k, when)).collect()
+}
+
+/// One controller on up to [`LANES`] plants; the last one fills what lanes are left.
+fn side_by_side(rig: &Rig, settings: &Settings<f32>, plants: &[Draw]) -> RigLoop<Group> {
     let constants: Vec<_> = plants.iter().map(|d| d.plant.map(f32::from_f64)).collect();
     let rotors: Vec<_> = plants.iter().map(|d| LaggedRotors::<f32>::new(&d.plant, SAMPLE_TIME)).collect();
-    let lane = |lane: usize| &plants[lane.min(plants.len() - 1)];
-    let each = |of: &dyn Fn(&Draw) -> f64| Group::from_fn(|k| f32::from_f64(of(lane(k))));
     let plant = RealPlant::assemble(
         gather_plants(&constants),
         gather_rotors(&rotors),
         State::at_rest(PerAxis::zero()),
         SAMPLE_TIME,
     );
-    let phase = PerAxis::new(each(&|d| d.encoder_phase.pitch), each(&|d| d.encoder_phase.yaw));
-    let disturbance = PerMotor::new(each(&|d| d.disturbance.main), each(&|d| d.disturbance.tail));
-    let settings = settings.map(Group::splat);
+    let phase = PerAxis {
+        pitch: each(plants, |d| d.encoder_phase.pitch),
+        yaw: each(plants, |d| d.encoder_phase.yaw),
+    };
     let hardware = Hardware::of(rig, PerAxis::both(0.5));
-    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
-    let sums = fly(closed_loop, disturbance, &rig.envelope, settings.volts_limit, when);
-    (0..plants.len()).map(|k| score(&sums, k, when)).collect()
+    RigLoop::assemble(plant, &hardware, phase, &settings.map(Group::splat))
+}
+
+fn each(plants: &[Draw], of: impl Fn(&Draw) -> f64) -> Group {
+    Group::from_fn(|lane| f32::from_f64(of(&plants[lane.min(plants.len() - 1)])))
+}
+
+fn each_motor(plants: &[Draw], of: impl Fn(&Draw) -> PerMotor<f64>) -> PerMotor<Group> {
+    PerMotor { main: each(plants, |d| of(d).main), tail: each(plants, |d| of(d).tail) }
 }
 
 /// Flies to the end.
@@ -155,5 +169,55 @@ fn score(s: &Sums, lane: usize, when: Schedule) -> Score {
         saturation_time: of(s.saturated) * SAMPLE_TIME,
         diverged: false,
         failed: s.left_envelope.lane(lane) || s.outside_5.lane(lane),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{CATALOGUE, draw};
+    use super::*;
+    use crate::closed_loop::BoardLoop;
+    use twinrotor::plant::presets;
+
+    /// In every lane the drawn plant flies, bit for bit, as it does with the board's own control loop.
+    #[test]
+    fn a_lane_is_the_boards_flight() {
+        for (name, rig) in
+            [("integral", presets::PAPER), ("cancelling", presets::AERO_LAB), ("lqi", presets::AERO2)]
+        {
+            let design = CATALOGUE.iter().find(|(n, _)| *n == name).expect("it is there").1;
+            let settings = Settings::new(&rig, design(&rig), SAMPLE_TIME).map(f32::from_f64);
+            let plants = draw(&rig, 3, 11);
+            let mut lanes = side_by_side(&rig, &settings, &plants);
+            let push = each_motor(&plants, |d| d.disturbance);
+            let mut boards: Vec<BoardLoop> = plants
+                .iter()
+                .map(|d| {
+                    let plant = RealPlant::new(&d.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+                    BoardLoop::new(plant, &Hardware::of(&rig, d.encoder_phase), &settings)
+                })
+                .collect();
+            let goal = STEP_DEG.map(f64::to_radians);
+            for tick in 0..1500 {
+                let disturbed = tick >= 1000;
+                let group = if disturbed { push } else { PerMotor::zero() };
+                let together = lanes.tick(&Reference::at_rest(goal.cast()), group);
+                for (k, board) in boards.iter_mut().enumerate() {
+                    let alone_push = if disturbed { plants[k].disturbance.cast() } else { PerMotor::zero() };
+                    let alone = board.tick(&Reference::at_rest(goal.cast()), alone_push);
+                    let bits = |x: f32| x.to_bits();
+                    assert_eq!(
+                        alone.state.angle.map(bits),
+                        together.state.angle.map(|x| bits(x.lane(k))),
+                        "{name}, plant {k}, tick {tick}"
+                    );
+                    assert_eq!(
+                        alone.applied.map(bits),
+                        together.applied.map(|x| bits(x.lane(k))),
+                        "{name}, plant {k}, tick {tick}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -9,6 +9,7 @@
 //! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which plants there are.
 
 mod catalogue;
+mod comparison;
 mod cost;
 mod kernel;
 mod plants;
@@ -16,11 +17,12 @@ mod riccati;
 mod tuning;
 
 pub use catalogue::{CATALOGUE, Design, uses};
+pub use comparison::{Row, Spread, signed_rank};
 pub use cost::{Score, Terms, quantile, total};
 pub use kernel::STEP_DEG;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
 pub use riccati::{kalman, lqr};
-pub use tuning::{Plan, Tuned, tune};
+pub use tuning::{Plan, Tuned, Tuning, tune};
 
 use crate::lanes::LANES;
 use crate::scenario::SAMPLE_TIME;

@@ -99,7 +99,7 @@ mod tests {
     /// l₁ ≈ 2 ωT, l₂ ≈ 2 ω² T, l₃ ≈ ω³ T for ω³ = walk/noise density.
     #[test]
     fn a_random_walk_gives_butterworths_poles() {
-        let (count, t, w) = (core::f64::consts::TAU / 2880.0, 1e-3, 40.0_f64);
+        let (count, t, w) = (core::f64::consts::TAU / 2880.0, 1e-3_f64, 40.0_f64);
         let walk = w.powi(3) * count / 12.0_f64.sqrt() * t.sqrt();
         let g = kalman(count, walk, 0.0, t).unwrap();
         assert!((g.angle / (2.0 * w * t) - 1.0).abs() < 0.05, "{g:?}");

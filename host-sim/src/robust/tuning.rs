@@ -5,10 +5,14 @@
 //! dimensions gains more from starting anew around what it found than from more iterations.
 
 use super::Trial;
-use crate::optimise::{Bounds, Candidate, Draws, FlowerPollination, FpaSettings, Optimiser};
+use crate::error::{Outcome, known_name};
+use crate::gains_file::{GainsFile, Provenance};
+use crate::optimise::{Bounds, Candidate, Draws, FlowerPollination, FpaSettings, Optimiser, Variant};
+use crate::rig::NamedRig;
 use crate::tunable::Tunable;
 use rayon::prelude::*;
 use twinrotor::controller::ControllerSettings;
+use twinrotor::plant::presets::Rig;
 
 /// How to search.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,4 +94,48 @@ pub fn tune(
 /// In order, on all threads.
 fn costs(asked: &[Candidate], cost: &(impl Fn(&[f64]) -> f64 + Sync)) -> Vec<f64> {
     asked.par_iter().map(|candidate| cost(&candidate.position)).collect()
+}
+
+/// Everything that is the same for all controllers that are to be compared: plants, budget, algorithm.
+#[derive(Debug, Clone)]
+pub struct Tuning {
+    trial: Trial,
+    plan: Plan,
+    preset: String,
+    rig: Rig,
+}
+
+/// Plants that a comparison's controllers are tuned on.
+const PLANTS: usize = 32;
+
+impl Tuning {
+    /// `rounds` searches of 500 evaluations each.
+    pub fn standard(named: &NamedRig, rounds: usize, seed: u64) -> Self {
+        let fpa =
+            FpaSettings { population_size: 25, iterations: 19, ..FpaSettings::published(Variant::Yang) };
+        let allowance = super::allowance(&named.name, &named.rig);
+        Self {
+            trial: Trial::new(&named.rig, PLANTS, seed, allowance),
+            plan: Plan { fpa, rounds, range: 4.0, seed },
+            preset: named.name.clone(),
+            rig: named.rig,
+        }
+    }
+
+    /// Tunes every parameter of a controller of the catalogue, from its design.
+    pub fn run(&self, name: &str) -> Outcome<GainsFile> {
+        let design = known_name("controller", name, &super::CATALOGUE)?;
+        let tunable = Tunable::new(&design(&self.rig), &[])?;
+        let tuned = tune(&self.trial, &tunable, &self.plan, |_, _| true);
+        let provenance = Provenance {
+            preset: self.preset.clone(),
+            objective: format!("robust, {PLANTS} plants"),
+            algorithm: format!("fpa-yang, {} rounds", self.plan.rounds),
+            seed: self.plan.seed,
+            evaluations: tuned.evaluations,
+            cost: tuned.cost,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
+        Ok(GainsFile { controller: tuned.controller, provenance: Some(provenance) })
+    }
 }
