@@ -140,7 +140,7 @@ impl FirstPowerCheck {
                 if !far && self.ticks < PUSH_TICKS {
                     return (only(motor, self.volts), None);
                 }
-                if !(moved.pitch.abs().max(moved.yaw.abs()) > LEAST_MOTION) {
+                if moved.pitch.abs().max(moved.yaw.abs()) <= LEAST_MOTION {
                     self.enter(Phase::Done);
                     return (PerMotor::zero(), Some(Verdict::NoMotion { motor }));
                 }
