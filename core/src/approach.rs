@@ -55,20 +55,25 @@ impl Approach {
     /// The reference of this tick.
     #[inline(always)]
     pub fn step(&mut self) -> Reference<f32> {
-        let reach = self.rate * self.sample_time;
-        let left = self.offset.map(|offset| offset - Real::clamp(offset, -reach, reach));
-        // Where the way has ended, or is so short that it is a jump, the reference rests.
-        let closing = left.map(|left| match left {
-            left if left > 0.0 => -self.rate,
-            left if left < 0.0 => self.rate,
-            _ => 0.0,
-        });
-        self.offset = left;
+        let closing = if self.offset == PerAxis::zero() { PerAxis::zero() } else { self.close_in() };
         let now = self.setpoint;
         let (t, half) = (self.sample_time, 0.5 * self.sample_time);
         self.setpoint.angle = now.angle.plus(now.rate.plus(now.accel.scaled(half)).scaled(t));
         self.setpoint.rate = now.rate.plus(now.accel.scaled(t));
-        Reference { angle: now.angle.plus(left), rate: now.rate.plus(closing), accel: now.accel }
+        Reference { angle: now.angle.plus(self.offset), rate: now.rate.plus(closing), accel: now.accel }
+    }
+
+    /// Shortens the way by one tick's; gives the rate [rad/s] at which it goes on.
+    fn close_in(&mut self) -> PerAxis<f32> {
+        let reach = self.rate * self.sample_time;
+        let left = self.offset.map(|offset| offset - Real::clamp(offset, -reach, reach));
+        self.offset = left;
+        // Where the way has ended, or is so short that it is a jump, the reference rests.
+        left.map(|left| match left {
+            left if left > 0.0 => -self.rate,
+            left if left < 0.0 => self.rate,
+            _ => 0.0,
+        })
     }
 }
 

@@ -15,7 +15,7 @@
 use crate::axes::{PerAxis, PerMotor};
 use crate::estimator::{Estimate, bilinear_decay};
 use crate::parameters::Parameters;
-use crate::plant::{Effectiveness, RigidBody, State};
+use crate::plant::Effectiveness;
 use crate::real::Real;
 use crate::supervisor::{Condition, Conditions};
 
@@ -163,9 +163,18 @@ impl Persistence {
 /// With the model's acceleration a, pushed = a T/(s T + 1); with the estimated rate v, shown = v s T/(s T + 1). For a true
 /// model the two are the same. A second wash-out s L/(s L + 1) takes out what lasts: a wrong weight, a hand, a disturbance. A stuck encoder shows nothing, one with its sign swapped the opposite. A rig that rests
 /// nose down lies on a stop which the model does not know: there, a push further down counts as none.
+///
+/// The model is linearised about the horizontal: what that gets wrong lasts, and is washed out as well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Motion {
-    model: RigidBody<f32>,
+    /// \[N m\] m g L.
+    weight: f32,
+    /// \[N m/rad\]
+    stiffness: f32,
+    /// \[N m s/rad\]
+    damping: PerAxis<f32>,
+    /// \[1/(kg m²)\]
+    inverse_inertia: PerAxis<f32>,
     linear: Effectiveness<f32>,
     quadratic: Effectiveness<f32>,
     /// \[N m/V\] On the other axis, for each volt that a rotor has yet to follow.
@@ -191,14 +200,18 @@ impl Motion {
         let s = &parameters.settings;
         let k = &s.effectiveness;
         let reach = k.map(f32::abs).torque(s.volts_limit);
-        let model = RigidBody::new(&s.model);
-        let inertia = model.at(&State::default()).inertia;
+        let moment = s.model.mass * s.model.center_of_mass;
+        let inertia = s.model.inertia.map(|i| i + moment * s.model.center_of_mass);
         let pitch = &parameters.encoders.pitch;
         let tau = s.model.rotor_time_constant;
-        let decay = |tau: f32| if tau > 0.0 { bilinear_decay(s.sample_time / tau).max(0.0) } else { 0.0 };
+        let decay =
+            |tau: f32| if tau > 0.0 { Real::max(bilinear_decay(s.sample_time / tau), 0.0) } else { 0.0 };
         let least = reach.zip(inertia, |torque, inertia| MOTION_PUSH * MOTION_WINDOW * torque / inertia);
         Self {
-            model,
+            weight: moment * s.model.gravity,
+            stiffness: s.model.stiffness,
+            damping: s.model.damping,
+            inverse_inertia: inertia.map(|i| 1.0 / i),
             linear: s.model.effectiveness,
             quadratic: s.model.quadratic_effectiveness,
             reaction: s.model.rotor_reaction.zip(tau, |r, tau| if tau > 0.0 { r / tau } else { 0.0 }),
@@ -239,9 +252,11 @@ impl Motion {
         let reaction = PerAxis::new(self.reaction.tail * behind.tail, self.reaction.main * behind.main);
         let thrust = self.linear.torque(acting).plus(self.quadratic.torque(acting.map(|v| v * v.abs())));
         let torque = thrust.plus(reaction);
-        let mut accel = self.model.at(state).accel(torque);
-        if state.angle.pitch < self.stop {
-            accel.pitch = accel.pitch.max(0.0);
+        let drag = self.damping.zip(rate, |d, v| d * v);
+        let pull = PerAxis::new(self.weight + self.stiffness * state.angle.pitch, 0.0);
+        let mut accel = torque.minus(drag).minus(pull).zip(self.inverse_inertia, |t, i| t * i);
+        if state.angle.pitch < self.stop && accel.pitch < 0.0 {
+            accel.pitch = 0.0;
         }
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
         self.pushed.value = self.pushed.value.scaled(self.keep).plus(accel.scaled(self.sample_time));
