@@ -126,6 +126,8 @@ impl Monitor {
         let outside = !(seen.supply >= b.supply_low && seen.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
         let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;
+        // One NaN or infinity makes the sum one; rates and angles of this world do not overflow it.
+        let sum = (state.angle.pitch + state.angle.yaw) + (state.rate.pitch + state.rate.yaw);
         let disagrees = self.motion.disagrees(seen);
         self.silent = if seen.heard { 0 } else { self.silent.saturating_add(1) };
         let silent = seen.armed && self.silent >= b.command_timeout;
@@ -136,7 +138,7 @@ impl Monitor {
             .with(Condition::YawMotion, seen.armed && disagrees.yaw)
             .with(Condition::AngleEnvelope, steep)
             .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
-            .with(Condition::NonFinite, seen.fault || !state.is_finite())
+            .with(Condition::NonFinite, seen.fault || !sum.is_finite())
             .with(Condition::SupplyRange, self.supply.over(outside, SUPPLY_TICKS))
             .with(Condition::CurrentLimit, self.current.over(seen.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)
@@ -190,8 +192,9 @@ struct Motion {
     least: PerAxis<f32>,
     rotor_volts: PerMotor<f32>,
     slow_rate: PerAxis<f32>,
-    pushed: Load,
-    shown: Load,
+    pushed: PerAxis<f32>,
+    pushed_load: Load,
+    shown_load: Load,
     disagreement: PerAxis<Persistence>,
 }
 
@@ -229,16 +232,18 @@ impl Motion {
             }),
             rotor_volts: PerMotor::zero(),
             slow_rate: PerAxis::zero(),
-            pushed: Load::default(),
-            shown: Load::default(),
+            pushed: PerAxis::zero(),
+            pushed_load: Load::default(),
+            shown_load: Load::default(),
             disagreement: PerAxis::both(Persistence::default()),
         }
     }
 
     fn restart(&mut self) {
         self.rotor_volts = PerMotor::zero();
-        self.pushed = Load::default();
-        self.shown = Load::default();
+        self.pushed = PerAxis::zero();
+        self.pushed_load = Load::default();
+        self.shown_load = Load::default();
         self.disagreement = PerAxis::both(Persistence::default());
     }
 
@@ -259,10 +264,9 @@ impl Motion {
             accel.pitch = 0.0;
         }
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
-        self.pushed.value = self.pushed.value.scaled(self.keep).plus(accel.scaled(self.sample_time));
-        self.shown.value = rate.minus(self.slow_rate);
-        let pushed = self.pushed.wash_out(self.keep_load);
-        let shown = self.shown.wash_out(self.keep_load);
+        self.pushed = self.pushed.scaled(self.keep).plus(accel.scaled(self.sample_time));
+        let pushed = self.pushed_load.wash_out(self.pushed, self.keep_load);
+        let shown = self.shown_load.wash_out(rate.minus(self.slow_rate), self.keep_load);
         PerAxis {
             pitch: self
                 .disagreement
@@ -273,18 +277,16 @@ impl Motion {
     }
 }
 
-/// A motion and what of it lasts.
+/// What of a motion lasts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Load {
-    value: PerAxis<f32>,
-    lasting: PerAxis<f32>,
-}
+struct Load(PerAxis<f32>);
 
 impl Load {
+    /// `motion` without it.
     #[inline(always)]
-    fn wash_out(&mut self, keep: f32) -> PerAxis<f32> {
-        self.lasting = self.value.plus(self.lasting.minus(self.value).scaled(keep));
-        self.value.minus(self.lasting)
+    fn wash_out(&mut self, motion: PerAxis<f32>, keep: f32) -> PerAxis<f32> {
+        self.0 = motion.plus(self.0.minus(motion).scaled(keep));
+        motion.minus(self.0)
     }
 }
 
