@@ -31,6 +31,8 @@ pub const LOAD_WINDOW: f32 = 1.0;
 pub const MOTION_PUSH: f32 = 0.2;
 /// Share of the expected motion that must be seen. Generous: constants are wrong by 30 %, lags by 100 ms.
 pub const MOTION_SHARE: f32 = 0.1;
+/// \[ticks\] From one comparison to the next: motion is slow, a tick's time is dear.
+pub const MOTION_EVERY: u32 = 4;
 /// \[ticks\] How long the two must disagree.
 pub const MOTION_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
@@ -68,6 +70,8 @@ pub struct Seen<'a> {
 pub struct Monitor {
     limits: Bounds,
     motion: Motion,
+    until_motion: u32,
+    disagrees: PerAxis<bool>,
     supply: Persistence,
     current: Persistence,
     silent: u32,
@@ -105,6 +109,8 @@ impl Monitor {
                 command_timeout: limits.command_timeout,
             },
             motion: Motion::new(parameters),
+            until_motion: MOTION_EVERY,
+            disagrees: PerAxis::both(false),
             supply: Persistence { ticks: SUPPLY_TICKS },
             current: Persistence::default(),
             silent: 0,
@@ -114,6 +120,7 @@ impl Monitor {
     /// Arming starts afresh: no motion is expected yet, and the host has just spoken.
     pub fn restart(&mut self) {
         self.motion.restart();
+        self.disagrees = PerAxis::both(false);
         self.silent = 0;
     }
 
@@ -128,14 +135,18 @@ impl Monitor {
         let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;
         // One NaN or infinity makes the sum one; rates and angles of this world do not overflow it.
         let sum = (state.angle.pitch + state.angle.yaw) + (state.rate.pitch + state.rate.yaw);
-        let disagrees = self.motion.disagrees(seen);
+        self.until_motion = self.until_motion.wrapping_sub(1);
+        if self.until_motion == 0 {
+            self.until_motion = MOTION_EVERY;
+            self.disagrees = self.motion.disagrees(seen);
+        }
         self.silent = if seen.heard { 0 } else { self.silent.saturating_add(1) };
         let silent = seen.armed && self.silent >= b.command_timeout;
         Conditions::NONE
             .with(Condition::PitchJump, jumped.pitch)
             .with(Condition::YawJump, jumped.yaw)
-            .with(Condition::PitchMotion, seen.armed && disagrees.pitch)
-            .with(Condition::YawMotion, seen.armed && disagrees.yaw)
+            .with(Condition::PitchMotion, seen.armed && self.disagrees.pitch)
+            .with(Condition::YawMotion, seen.armed && self.disagrees.yaw)
             .with(Condition::AngleEnvelope, steep)
             .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
             .with(Condition::NonFinite, seen.fault || !sum.is_finite())
@@ -185,7 +196,8 @@ struct Motion {
     /// Wash-out for one tick.
     keep: f32,
     keep_load: f32,
-    sample_time: f32,
+    /// \[s\] From one comparison to the next.
+    step: f32,
     /// \[rad\] Below this pitch the rig may lie on its stop.
     stop: f32,
     /// \[rad/s\] From where on a push counts.
@@ -201,14 +213,15 @@ struct Motion {
 impl Motion {
     fn new(parameters: &Parameters) -> Self {
         let s = &parameters.settings;
+        #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
+        let step = s.sample_time * MOTION_EVERY as f32;
         let k = &s.effectiveness;
         let reach = k.map(f32::abs).torque(s.volts_limit);
         let moment = s.model.mass * s.model.center_of_mass;
         let inertia = s.model.inertia.map(|i| i + moment * s.model.center_of_mass);
         let pitch = &parameters.encoders.pitch;
         let tau = s.model.rotor_time_constant;
-        let decay =
-            |tau: f32| if tau > 0.0 { Real::max(bilinear_decay(s.sample_time / tau), 0.0) } else { 0.0 };
+        let decay = |tau: f32| if tau > 0.0 { Real::max(bilinear_decay(step / tau), 0.0) } else { 0.0 };
         let least = reach.zip(inertia, |torque, inertia| MOTION_PUSH * MOTION_WINDOW * torque / inertia);
         Self {
             weight: moment * s.model.gravity,
@@ -219,9 +232,9 @@ impl Motion {
             quadratic: s.model.quadratic_effectiveness,
             reaction: s.model.rotor_reaction.zip(tau, |r, tau| if tau > 0.0 { r / tau } else { 0.0 }),
             rotor_decay: tau.map(decay),
-            keep: bilinear_decay(s.sample_time / MOTION_WINDOW),
-            keep_load: bilinear_decay(s.sample_time / LOAD_WINDOW),
-            sample_time: s.sample_time,
+            keep: bilinear_decay(step / MOTION_WINDOW),
+            keep_load: bilinear_decay(step / LOAD_WINDOW),
+            step,
             stop: if pitch.rest_counts < 0 {
                 f32::from_i32(pitch.rest_counts) * pitch.angle_per_count + STOP_MARGIN
             } else {
@@ -264,15 +277,18 @@ impl Motion {
             accel.pitch = 0.0;
         }
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
-        self.pushed = self.pushed.scaled(self.keep).plus(accel.scaled(self.sample_time));
+        self.pushed = self.pushed.scaled(self.keep).plus(accel.scaled(self.step));
         let pushed = self.pushed_load.wash_out(self.pushed, self.keep_load);
         let shown = self.shown_load.wash_out(rate.minus(self.slow_rate), self.keep_load);
         PerAxis {
             pitch: self
                 .disagreement
                 .pitch
-                .over(contradicts(pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS),
-            yaw: self.disagreement.yaw.over(contradicts(pushed.yaw, shown.yaw, self.least.yaw), MOTION_TICKS),
+                .over(contradicts(pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS / MOTION_EVERY),
+            yaw: self
+                .disagreement
+                .yaw
+                .over(contradicts(pushed.yaw, shown.yaw, self.least.yaw), MOTION_TICKS / MOTION_EVERY),
         }
     }
 }
