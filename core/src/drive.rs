@@ -1,0 +1,89 @@
+//! Step 7 of the tick: from volts to the duty of a PWM amplifier, and the volts that this duty really gives.
+
+use crate::axes::PerMotor;
+use crate::real::Real;
+
+/// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive<R> {
+    full_steps: R,
+}
+
+/// What a motor's amplifier is told: a whole number of PWM steps, negative for reverse.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Duty<R>(R);
+
+impl<R: Real> Drive<R> {
+    /// With this many compare steps from zero to full voltage.
+    pub fn new(full_steps: u32) -> Self {
+        Self { full_steps: R::from_f64(f64::from(full_steps)) }
+    }
+
+    /// The duty that comes nearest to `volts` from a supply of `supply` [V]; at most full either way. Zero if
+    /// anything is not finite or the supply is not above zero: this is the only way to a duty.
+    #[inline(always)]
+    pub fn duty(&self, volts: PerMotor<R>, supply: R) -> PerMotor<Duty<R>> {
+        let steps_per_volt = self.full_steps / supply;
+        volts.map(|v| {
+            let steps = v * steps_per_volt;
+            let sound = steps.is_finite() & R::zero().lt(supply);
+            let steps = steps.clamp(-self.full_steps, self.full_steps).round();
+            Duty(R::select(sound, steps, R::zero()))
+        })
+    }
+
+    /// \[V\] What a duty gives from a supply of `supply` [V].
+    #[inline(always)]
+    pub fn volts(&self, duty: PerMotor<Duty<R>>, supply: R) -> PerMotor<R> {
+        let volts_per_step = supply / self.full_steps;
+        duty.map(|d| d.0 * volts_per_step)
+    }
+}
+
+impl Duty<f32> {
+    /// In compare steps, negative for reverse.
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number within ±full_steps, by construction")]
+    pub fn steps(self) -> i32 {
+        self.0 as i32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn within_half_a_step_and_never_beyond_the_supply(
+            main in -60.0_f32..60.0, tail in -60.0_f32..60.0, supply in 10.0_f32..30.0,
+        ) {
+            let drive = Drive::<f32>::new(2100);
+            let asked = PerMotor::new(main, tail);
+            let duty = drive.duty(asked, supply);
+            let given = drive.volts(duty, supply);
+            for (asked, (duty, given)) in asked.to_array().into_iter().zip(
+                duty.to_array().into_iter().zip(given.to_array())
+            ) {
+                prop_assert!(duty.steps().abs() <= 2100);
+                let reachable = asked.clamp(-supply, supply);
+                prop_assert!((given - reachable).abs() <= 0.5001 * supply / 2100.0);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_is_not_finite_reaches_a_duty() {
+        let drive = Drive::<f32>::new(2100);
+        let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+        for b in bad {
+            assert_eq!(drive.duty(PerMotor::new(b, 12.0), 24.0).main.steps(), 0);
+            assert_eq!(drive.duty(PerMotor::both(12.0), b).main.steps(), 0);
+        }
+        for dead in [0.0, -24.0] {
+            assert_eq!(drive.duty(PerMotor::both(12.0), dead).tail.steps(), 0);
+        }
+        assert_eq!(drive.duty(PerMotor::both(12.0), 24.0).main.steps(), 1050);
+    }
+}

@@ -1,0 +1,120 @@
+//! The helicopter: eqs (1)-(2) integrated by the classical fourth-order Runge-Kutta method with held volts.
+//!
+//! The simulator and the virtual board fly this; the law never sees it. A step is one tick of the loop or a
+//! whole fraction of it.
+
+mod body;
+mod parameters;
+pub mod presets;
+mod rotors;
+
+pub use body::{Dynamics, RigidBody, State};
+pub use parameters::{Effectiveness, PlantParameters};
+pub use rotors::{IdealRotors, LaggedRotors, Thrust, TorqueOverStep, decay};
+
+use crate::axes::{PerAxis, PerMotor};
+use crate::compensated::Compensated;
+use crate::real::{Mask, Real};
+
+/// \[rad/s\] Width of the smooth Coulomb friction: it opposes the rate by F ω/√(ω² + w²). A body held against it
+/// creeps at about this rate, slower than one encoder count a second.
+pub const FRICTION_WIDTH: f64 = 0.002;
+
+/// A helicopter in motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plant<R, T> {
+    body: RigidBody<R>,
+    coulomb_friction: PerAxis<R>,
+    has_friction: bool,
+    rotors: T,
+    /// \[s\] Length of a step.
+    step: R,
+    angle: PerAxis<Compensated<R>>,
+    rate: PerAxis<Compensated<R>>,
+}
+
+/// A helicopter whose rotors answer at once: the paper's.
+pub type IdealPlant<R> = Plant<R, IdealRotors<R>>;
+/// A helicopter with real rotors.
+pub type RealPlant<R> = Plant<R, LaggedRotors<R>>;
+
+impl<R: Real, T: Thrust<R>> Plant<R, T> {
+    /// A helicopter at `state` with its rotors at rest, stepping by `step` [s].
+    pub fn new(parameters: &PlantParameters<f64>, state: State<R>, step: f64) -> Self {
+        Self::assemble(parameters.map(R::from_f64), T::new(parameters, step), state, step)
+    }
+
+    /// As [`Plant::new`], from constants that may differ from lane to lane and rotors made for them.
+    pub fn assemble(parameters: PlantParameters<R>, rotors: T, state: State<R>, step: f64) -> Self {
+        let friction = parameters.coulomb_friction;
+        let present = R::zero().lt(friction.pitch) | R::zero().lt(friction.yaw);
+        Self {
+            body: RigidBody::new(&parameters),
+            coulomb_friction: friction,
+            has_friction: present.any(),
+            rotors,
+            step: R::from_f64(step),
+            angle: state.angle.map(Compensated::new),
+            rate: state.rate.map(Compensated::new),
+        }
+    }
+
+    /// Where it is now.
+    #[inline(always)]
+    pub fn state(&self) -> State<R> {
+        State { angle: self.angle.map(Compensated::value), rate: self.rate.map(Compensated::value) }
+    }
+
+    /// Its rotors.
+    #[inline(always)]
+    pub fn rotors(&self) -> &T {
+        &self.rotors
+    }
+
+    /// One step with `volts` held and `disturbance` [V] added to the volts in effect.
+    #[inline(always)]
+    pub fn advance(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) {
+        let [begin, middle, end] = self.rotors.over_step(volts, disturbance);
+        let h = self.step;
+        let half = R::from_f64(0.5) * h;
+        let x = self.state();
+
+        let a1 = self.accel(&x, begin);
+        let x2 = moved(&x, &x.rate, &a1, half);
+        let a2 = self.accel(&x2, middle);
+        let x3 = moved(&x, &x2.rate, &a2, half);
+        let a3 = self.accel(&x3, middle);
+        let x4 = moved(&x, &x3.rate, &a3, h);
+        let a4 = self.accel(&x4, end);
+
+        let sixth = h * R::from_f64(1.0 / 6.0);
+        let two = R::from_f64(2.0);
+        let mean = |k1: R, k2: R, k3: R, k4: R| sixth * ((k1 + k4) + two * (k2 + k3));
+        let (angle, rate) = (&mut self.angle, &mut self.rate);
+        angle.pitch.add(mean(x.rate.pitch, x2.rate.pitch, x3.rate.pitch, x4.rate.pitch));
+        angle.yaw.add(mean(x.rate.yaw, x2.rate.yaw, x3.rate.yaw, x4.rate.yaw));
+        rate.pitch.add(mean(a1.pitch, a2.pitch, a3.pitch, a4.pitch));
+        rate.yaw.add(mean(a1.yaw, a2.yaw, a3.yaw, a4.yaw));
+    }
+
+    #[inline(always)]
+    fn accel(&self, state: &State<R>, torque: PerAxis<R>) -> PerAxis<R> {
+        let torque = if self.has_friction { torque.minus(self.friction(state.rate)) } else { torque };
+        self.body.at(state).accel(torque)
+    }
+
+    #[inline(always)]
+    fn friction(&self, rate: PerAxis<R>) -> PerAxis<R> {
+        let width = R::from_f64(FRICTION_WIDTH);
+        self.coulomb_friction.zip(rate, |f, w| f * w / (w * w + width * width).sqrt())
+    }
+}
+
+/// `state` moved on for `time` at the given rates and accelerations.
+#[inline(always)]
+fn moved<R: Real>(state: &State<R>, rate: &PerAxis<R>, accel: &PerAxis<R>, time: R) -> State<R> {
+    State { angle: state.angle.plus(rate.scaled(time)), rate: state.rate.plus(accel.scaled(time)) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,237 @@
+//! The arithmetic that the core needs, and nothing more.
+//!
+//! Every equation of the core is written once over [`Real`] and runs as `f32` on the board, as `f64` in
+//! verification, and in lanes of `f32` in the tuner. Every `Real` that is `f32` inside must give the same
+//! bits on every machine, so:
+//!
+//! - only IEEE 754 basic operations are required of an implementation (`+ - * /`, square root, comparison):
+//!   they are exactly rounded everywhere; there is no fused multiply-add;
+//! - `min`, `max`, `clamp` and `round` are *defined* here from comparison and selection, because the built-in
+//!   ones differ between scalar and vector types in what they do with NaN and signed zero;
+//! - sine and cosine are the one routine in [`crate::trig`].
+
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// The outcome of a comparison: one truth value, or one for each lane.
+pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// Is it true in at least one lane?
+    fn any(self) -> bool;
+    /// Is it true in every lane?
+    fn all(self) -> bool;
+}
+
+/// A real number, or a group of independent ones that are computed side by side.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// What a comparison gives.
+    type Mask: Mask;
+    /// The number in one lane; `Self` for a plain number.
+    type Scalar: Real<Scalar = Self::Scalar, Mask = bool> + Into<f64>;
+    /// How many numbers are computed side by side.
+    const LANES: usize;
+
+    /// The nearest representable number. Constants and gains enter this way and never by way of `f32`,
+    /// which alone would cost 1e-8 rad in an `f64` run.
+    fn from_f64(value: f64) -> Self;
+    /// The nearest representable number to an integer, such as an encoder's count.
+    fn from_i32(value: i32) -> Self;
+    /// The same number in every lane.
+    fn splat(value: Self::Scalar) -> Self;
+    /// The number in lane `index`, which is below [`Real::LANES`]; an index beyond wraps around.
+    fn lane(self, index: usize) -> Self::Scalar;
+
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// Square root, exactly rounded; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// Sine and cosine of an angle in rad.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Is `self < other`? False with a NaN.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Is `self <= other`? False with a NaN.
+    fn le(self, other: Self) -> Self::Mask;
+    /// Neither infinite nor NaN?
+    fn is_finite(self) -> Self::Mask;
+    /// `yes` where the mask is true, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+
+    /// One.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::from_f64(1.0)
+    }
+
+    /// The smaller of two; `other` if either is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
+
+    /// The larger of two; `other` if either is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.lt(self), self, other)
+    }
+
+    /// Limited to `low..=high`. A NaN comes out as a bound: this is no guard against one.
+    #[inline(always)]
+    fn clamp(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+
+    /// The nearest integer, ties to even, for magnitudes below 2^22; larger ones come back as they are.
+    #[inline(always)]
+    fn round(self) -> Self {
+        let limit = Self::from_f64(4_194_304.0);
+        Self::select(self.abs().lt(limit), self.round_small(), self)
+    }
+
+    /// [`Real::round`] without the guard: garbage from magnitude 2^22 on.
+    ///
+    /// Adding 1.5 x 2^(significand bits - 1) pushes every fraction bit out of the significand, and the
+    /// addition itself rounds.
+    #[doc(hidden)]
+    fn round_small(self) -> Self;
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self
+    }
+}
+
+macro_rules! scalar {
+    ($float:ty, $round:expr, $sqrt:path, $sin_cos:path, $from_f64:expr, $from_i32:expr) => {
+        impl Real for $float {
+            type Mask = bool;
+            type Scalar = Self;
+            const LANES: usize = 1;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                $from_f64(value)
+            }
+            #[inline(always)]
+            fn from_i32(value: i32) -> Self {
+                $from_i32(value)
+            }
+            #[inline(always)]
+            fn splat(value: Self) -> Self {
+                value
+            }
+            #[inline(always)]
+            fn lane(self, _index: usize) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$float>::abs(self)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $sin_cos(self)
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                <$float>::is_finite(self)
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+            #[inline(always)]
+            fn round_small(self) -> Self {
+                const SHIFT: $float = $round;
+                (self + SHIFT) - SHIFT
+            }
+        }
+    };
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what it is for")]
+const fn f32_from_f64(value: f64) -> f32 {
+    value as f32
+}
+
+#[expect(clippy::cast_precision_loss, reason = "rounding to the nearest f32 is what it is for")]
+const fn f32_from_i32(value: i32) -> f32 {
+    value as f32
+}
+
+scalar!(f32, 12_582_912.0, libm::sqrtf, crate::trig::sin_cos, f32_from_f64, f32_from_i32);
+scalar!(f64, 6_755_399_441_055_744.0, libm::sqrt, libm::sincos, f64::from, f64::from);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn round_is_to_nearest_even(x in -4_000_000.0_f32..4_000_000.0) {
+            prop_assert_eq!(Real::round(x), x.round_ties_even());
+        }
+
+        #[test]
+        fn min_max_clamp_are_ordered(a in any::<f64>(), b in -1e3..0.0, c in 0.0..1e3) {
+            prop_assume!(!a.is_nan());
+            let x = Real::clamp(a, b, c);
+            prop_assert!(b <= x && x <= c && (x == a || x == b || x == c));
+        }
+    }
+
+    #[test]
+    fn large_magnitudes_and_non_finite_pass_round_unchanged() {
+        for x in [4_194_304.5_f32, -1e30, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(Real::round(x), x);
+        }
+        assert!(Real::round(f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn a_nan_gives_the_second_operand() {
+        assert_eq!(Real::min(f32::NAN, 1.0), 1.0);
+        assert_eq!(Real::max(f32::NAN, 1.0), 1.0);
+        assert_eq!(Real::clamp(f32::NAN, -24.0, 24.0), -24.0);
+    }
+}

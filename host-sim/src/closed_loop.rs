@@ -1,0 +1,225 @@
+//! A helicopter and a controller, tick by tick, in one of two worlds.
+//!
+//! Both are written over any [`Real`]: `f64` to verify, `f32` as the board computes, lanes of `f32` for thousands of runs. The
+//! board's own [`ControlLoop`](twinrotor::control_loop::ControlLoop) flies in [`BoardLoop`]; a test shows that [`RigLoop`] gives its
+//! bits.
+
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::drive::Drive;
+use twinrotor::encoder::{CounterWidth, Encoder, angle_per_count};
+use twinrotor::estimator::Estimate;
+use twinrotor::pipeline::{Command, Pipeline, Settings};
+use twinrotor::plant::presets::Rig;
+use twinrotor::plant::{IdealPlant, RealPlant, State};
+use twinrotor::real::Real;
+use twinrotor::reference::Reference;
+
+/// What happened in one tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Tick<R: Real> {
+    /// Where the helicopter was when the tick began.
+    pub state: State<R>,
+    /// What the controller made of it.
+    pub command: Command<R>,
+    /// \[V\] What acted on the rotors from this tick to the next.
+    pub applied: PerMotor<R>,
+}
+
+impl<R: Real> Tick<R> {
+    /// \[rad\] Reference minus true angle.
+    #[inline(always)]
+    pub fn error(&self) -> PerAxis<R> {
+        self.command.reference.angle.minus(self.state.angle)
+    }
+}
+
+/// A closed loop that can be stepped.
+pub trait ClosedLoop<R: Real> {
+    /// One tick with `disturbance` [V] added to the volts in effect.
+    fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
+}
+
+/// The paper's world: the state is known, rotors answer at once, volts are held for a tick; nothing is quantised or late.
+#[derive(Debug, Clone, Copy)]
+pub struct IdealLoop<R> {
+    plant: IdealPlant<R>,
+    pipeline: Pipeline<R>,
+}
+
+impl<R: Real> IdealLoop<R> {
+    /// `plant` is reduced to what eqs (1)-(2) have, with the thrust slope at `rig`'s nominal volts.
+    pub fn new(rig: &Rig, settings: &Settings<R>, start: State<R>, sample_time: f64) -> Self {
+        let plant = rig.plant.ideal(rig.nominal_volts);
+        Self {
+            plant: IdealPlant::new(&plant, start, sample_time),
+            pipeline: Pipeline::new(settings, start.angle),
+        }
+    }
+}
+
+impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
+    #[inline(always)]
+    fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
+        let state = self.plant.state();
+        let command = self.pipeline.act(Estimate::exact(state), reference);
+        let applied = command.allocation.volts;
+        self.plant.advance(applied, disturbance);
+        Tick { state, command, applied }
+    }
+}
+
+/// The sensors and amplifiers of a real rig.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hardware {
+    /// Counts a revolution.
+    pub encoder_counts: PerAxis<u32>,
+    /// \[counts\] 0..1: where between two counts the start pose lies.
+    pub encoder_phase: PerAxis<f64>,
+    /// Compare steps between zero and full voltage.
+    pub pwm_steps: u32,
+    /// \[V\] Supply of the amplifiers.
+    pub supply: f64,
+}
+
+impl Hardware {
+    /// `rig`'s, with a supply that just reaches the larger voltage limit.
+    pub fn of(rig: &Rig, encoder_phase: PerAxis<f64>) -> Self {
+        Self {
+            encoder_counts: rig.encoder_counts,
+            encoder_phase,
+            pwm_steps: rig.pwm_steps,
+            supply: rig.volts_limit.main.max(rig.volts_limit.tail),
+        }
+    }
+}
+
+/// The counts that two encoders show.
+#[derive(Debug, Clone, Copy)]
+struct Encoders<R> {
+    counts_per_angle: PerAxis<R>,
+    phase: PerAxis<R>,
+}
+
+impl<R: Real> Encoders<R> {
+    fn new(hardware: &Hardware) -> Self {
+        let turn = core::f64::consts::TAU;
+        Self {
+            counts_per_angle: hardware.encoder_counts.map(|c| R::from_f64(f64::from(c) / turn)),
+            phase: hardware.encoder_phase.map(|p| R::from_f64(p - 0.5)),
+        }
+    }
+
+    /// Whole counts from zero at true angles [rad].
+    #[inline(always)]
+    fn counts(&self, angle: PerAxis<R>) -> PerAxis<R> {
+        let exact = angle.zip(self.counts_per_angle, |a, c| a * c);
+        exact.plus(self.phase).map(Real::round)
+    }
+}
+
+/// The rig's world: encoder counts, estimated rates, rotor lag and whatever else the plant has, PWM steps, and volts that
+/// act one tick after they were computed.
+#[derive(Debug, Clone, Copy)]
+pub struct RigLoop<R> {
+    plant: RealPlant<R>,
+    encoders: Encoders<R>,
+    angle_per_count: PerAxis<R>,
+    pipeline: Pipeline<R>,
+    drive: Drive<R>,
+    supply: R,
+    latched: PerMotor<R>,
+}
+
+impl<R: Real> RigLoop<R> {
+    /// `plant` may differ from what `settings` believe.
+    pub fn new(plant: RealPlant<R>, hardware: &Hardware, settings: &Settings<R>) -> Self {
+        let encoders = Encoders::<R>::new(hardware);
+        let angle_per_count: PerAxis<R> = hardware.encoder_counts.map(angle_per_count);
+        let counts = encoders.counts(plant.state().angle);
+        let start = counts.zip(angle_per_count, |c, a| c * a);
+        Self {
+            plant,
+            encoders,
+            angle_per_count,
+            pipeline: Pipeline::new(settings, start),
+            drive: Drive::new(hardware.pwm_steps),
+            supply: R::from_f64(hardware.supply),
+            latched: PerMotor::zero(),
+        }
+    }
+}
+
+impl<R: Real> ClosedLoop<R> for RigLoop<R> {
+    #[inline(always)]
+    fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
+        let state = self.plant.state();
+        let counts = self.encoders.counts(state.angle);
+        let measured = counts.zip(self.angle_per_count, |c, a| c * a);
+        let applied = self.latched;
+        let command = self.pipeline.tick(measured, applied, reference);
+        let duty = self.drive.duty(command.allocation.volts, self.supply);
+        self.latched = self.drive.volts(duty, self.supply);
+        self.plant.advance(applied, disturbance);
+        Tick { state, command, applied }
+    }
+}
+
+/// The rig's world with the control loop that the firmware runs, counters that wrap included.
+#[derive(Debug, Clone, Copy)]
+pub struct BoardLoop {
+    plant: RealPlant<f32>,
+    encoders: Encoders<f32>,
+    control: ControlLoop,
+    drive: Drive<f32>,
+    supply: f32,
+    latched: PerMotor<f32>,
+}
+
+impl BoardLoop {
+    /// As [`RigLoop::new`].
+    pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
+        let encoders = Encoders::<f32>::new(hardware);
+        let counts = encoders.counts(plant.state().angle);
+        let fitted = PerAxis {
+            pitch: Self::encoder(hardware.encoder_counts.pitch, counts.pitch),
+            yaw: Self::encoder(hardware.encoder_counts.yaw, counts.yaw),
+        };
+        let drive = Drive::new(hardware.pwm_steps);
+        Self {
+            plant,
+            encoders,
+            control: ControlLoop::new(settings, fitted, drive),
+            drive,
+            supply: f32::from_f64(hardware.supply),
+            latched: PerMotor::zero(),
+        }
+    }
+
+    fn encoder(counts_per_turn: u32, position: f32) -> Encoder {
+        let position = whole(position);
+        Encoder::new(
+            CounterWidth::Bits16,
+            angle_per_count(counts_per_turn),
+            position.cast_unsigned(),
+            position,
+        )
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
+fn whole(counts: f32) -> i32 {
+    counts as i32
+}
+
+impl ClosedLoop<f32> for BoardLoop {
+    fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
+        let state = self.plant.state();
+        let counters = self.encoders.counts(state.angle).map(|c| whole(c).cast_unsigned() & 0xFFFF);
+        let outputs = self.control.tick(&Inputs { counters, supply: self.supply, reference: *reference });
+        let applied = self.latched;
+        self.latched = self.drive.volts(outputs.duty, self.supply);
+        self.plant.advance(applied, disturbance);
+        Tick { state, command: outputs.command, applied }
+    }
+}

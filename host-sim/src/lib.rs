@@ -1,0 +1,23 @@
+//! Twinrotor on a PC: the core that flies on the board, closed around a simulated helicopter, once or thousands of times.
+
+#![cfg_attr(
+    test,
+    allow(
+        clippy::float_cmp,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "tests compare bits and make samples"
+    )
+)]
+
+pub mod closed_loop;
+pub mod error;
+pub mod flight;
+pub mod gains_file;
+pub mod lanes;
+pub mod metrics;
+pub mod objective;
+pub mod optimise;
+pub mod output;
+pub mod rig;
+pub mod scenario;

@@ -1,0 +1,151 @@
+//! What the tuner minimises: an integral of the tracking error over a flight, for many candidates at once.
+
+use crate::closed_loop::{ClosedLoop, Hardware, IdealLoop, RigLoop};
+use crate::flight::Fidelity;
+use crate::gains_file::GainsFile;
+use crate::lanes::{Group, LANES, gather};
+use crate::metrics::{Criterion, Integral};
+use crate::optimise::Candidate;
+use crate::scenario::{SAMPLE_TIME, Scenario};
+use multiversion::multiversion;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::gains::Gains;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
+use twinrotor::plant::{RealPlant, State};
+use twinrotor::real::Real;
+use twinrotor::reference::Reference;
+
+/// ISE, IAE or ITAE of the paper's law over one scenario, from rest.
+#[derive(Debug)]
+pub struct Objective {
+    criterion: Criterion,
+    rig: Rig,
+    fidelity: Fidelity,
+    references: Vec<Reference<f32>>,
+    disturbances: Vec<PerMotor<f32>>,
+    simulated: AtomicU64,
+    skipped: AtomicU64,
+}
+
+/// Steps of closed loops: done, and not done because the candidate had lost already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Steps {
+    /// Done.
+    pub simulated: u64,
+    /// Saved.
+    pub skipped: u64,
+}
+
+/// A cost must exceed its bound by this part before a flight is broken off. A compensated sum of terms that are not negative can sink
+/// by a few units in its last place, 1e-7 of it, and not more.
+const SURELY: f64 = 1.0 + 1e-5;
+/// \[ticks\] From one look at the sums to the next.
+const LOOK_EVERY: u32 = 64;
+
+impl Objective {
+    /// For a rig, a scenario and a world; `seed` is of the scenario's disturbance.
+    pub fn new(criterion: Criterion, rig: &Rig, scenario: &Scenario, fidelity: Fidelity, seed: u64) -> Self {
+        Self {
+            criterion,
+            rig: *rig,
+            fidelity,
+            references: scenario.references(),
+            disturbances: scenario.disturbances(seed),
+            simulated: AtomicU64::new(0),
+            skipped: AtomicU64::new(0),
+        }
+    }
+
+    /// The controller that a position (the paper's order k1..k4) means.
+    pub fn controller(position: &[f64]) -> GainsFile {
+        let order: [f64; 4] = position.try_into().expect("four gains");
+        GainsFile::backstepping(Gains::from_paper_order(order))
+    }
+
+    /// The cost of each candidate; infinity for one that diverges or provably does not get below its bound.
+    pub fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
+        candidates.par_chunks(LANES).flat_map_iter(|chunk| self.costs_of_group(chunk)).collect()
+    }
+
+    /// The cost of one controller, all the way.
+    pub fn cost(&self, controller: &GainsFile) -> f64 {
+        let candidate =
+            Candidate { position: controller.gains().to_paper_order().to_vec(), bound: f64::INFINITY };
+        self.costs(&[candidate])[0]
+    }
+
+    /// What has been simulated so far.
+    pub fn steps(&self) -> Steps {
+        Steps {
+            simulated: self.simulated.load(Ordering::Relaxed),
+            skipped: self.skipped.load(Ordering::Relaxed),
+        }
+    }
+
+    fn costs_of_group(&self, candidates: &[Candidate]) -> Vec<f64> {
+        let settings: Vec<Settings<f32>> = candidates
+            .iter()
+            .map(|c| Self::controller(&c.position).settings(&self.rig).map(f32::from_f64))
+            .collect();
+        let bounds: Vec<f64> = candidates.iter().map(|c| c.bound).collect();
+        let (costs, ticks) = self.fly(&gather(&settings), &bounds);
+        let lanes = candidates.len() as u64;
+        self.simulated.fetch_add(ticks as u64 * lanes, Ordering::Relaxed);
+        self.skipped.fetch_add((self.references.len() - ticks) as u64 * lanes, Ordering::Relaxed);
+        costs
+    }
+
+    fn fly(&self, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
+        match self.fidelity {
+            Fidelity::Ideal => fly_ideal(self, settings, bounds),
+            Fidelity::Rig => fly_rig(self, settings, bounds),
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+fn fly_ideal(objective: &Objective, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
+    let start = State::at_rest(PerAxis::zero());
+    let closed_loop = IdealLoop::new(&objective.rig, settings, start, SAMPLE_TIME);
+    integrate(objective, closed_loop, bounds)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+fn fly_rig(objective: &Objective, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
+    let start = State::at_rest(PerAxis::zero());
+    let plant = RealPlant::new(&objective.rig.plant, start, SAMPLE_TIME);
+    let hardware = Hardware::of(&objective.rig, PerAxis::both(0.5));
+    integrate(objective, RigLoop::new(plant, &hardware, settings), bounds)
+}
+
+/// Flies to the end, or until every lane has lost. Inlined into its callers, which are compiled for several instruction sets.
+#[inline(always)]
+fn integrate(
+    objective: &Objective,
+    mut closed_loop: impl ClosedLoop<Group>,
+    bounds: &[f64],
+) -> (Vec<f64>, usize) {
+    let last = u32::try_from(objective.references.len() - 1).expect("an hour of ticks at most");
+    let mut integral = Integral::<Group>::new(objective.criterion);
+    let cost = |integral: &Integral<Group>, lane| {
+        let PerAxis { pitch, yaw } = integral.value(lane, SAMPLE_TIME);
+        pitch + yaw
+    };
+    for (tick, (reference, disturbance)) in
+        (0..).zip(objective.references.iter().zip(&objective.disturbances))
+    {
+        let happened = closed_loop.tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
+        integral.add(tick, last, happened.error());
+        if tick % LOOK_EVERY == LOOK_EVERY - 1
+            && bounds.iter().enumerate().all(|(lane, bound)| cost(&integral, lane) > bound * SURELY)
+        {
+            return (vec![f64::INFINITY; bounds.len()], tick as usize + 1);
+        }
+    }
+    let costs = (0..bounds.len()).map(|lane| cost(&integral, lane));
+    let finite = costs.map(|c| if c.is_nan() { f64::INFINITY } else { c });
+    (finite.collect(), objective.references.len())
+}
