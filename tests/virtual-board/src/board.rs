@@ -33,12 +33,7 @@ pub struct Inputs {
 
 impl Default for Inputs {
     fn default() -> Self {
-        Self {
-            counts: [0; 2],
-            supply: 24.0,
-            emergency_stop: false,
-            amplifier_fault: false,
-        }
+        Self { counts: [0; 2], supply: 24.0, emergency_stop: false, amplifier_fault: false }
     }
 }
 
@@ -64,17 +59,13 @@ impl Outputs {
     pub fn duty(&self) -> [f64; 2] {
         self.legs.map(|[forward, back]| {
             let share = |leg: Drive| leg.share_high().unwrap_or(0.0);
-            if self.enabled {
-                share(forward) - share(back)
-            } else {
-                0.0
-            }
+            if self.enabled { share(forward) - share(back) } else { 0.0 }
         })
     }
 
     /// Whether a motor could turn.
     pub fn live(&self) -> bool {
-        self.duty() != [0.0; 2]
+        self.duty().into_iter().any(|share| share.abs() > 0.0)
     }
 }
 
@@ -99,11 +90,7 @@ impl Board {
         let mut chip = Stm32f405::new(seed)?;
         let (port, _) = wiring::SERIAL;
         chip.serial(port).attach(Line::default());
-        Ok(Self {
-            chip,
-            inputs: Inputs::default(),
-            turned: [0; 2],
-        })
+        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2] })
     }
 
     /// The microcontroller.
@@ -136,25 +123,17 @@ impl Board {
     /// Takes the inputs to the pins, and from pins in the right function to what they reach. A pin in
     /// another function is a wire to nowhere.
     fn connect(&mut self, at: VirtualNanos) {
-        let Inputs {
-            counts,
-            supply,
-            emergency_stop,
-            amplifier_fault,
-        } = self.inputs;
+        let Inputs { counts, supply, emergency_stop, amplifier_fault } = self.inputs;
         let stop = wiring::EMERGENCY_STOP;
         let stop_level = Level::from(emergency_stop);
-        self.chip
-            .drive_pin(at, stop.port, stop.pin, Some(stop_level));
+        self.chip.drive_pin(at, stop.port, stop.pin, Some(stop_level));
         let fault = wiring::AMPLIFIER_FAULT;
         let fault_level = Level::from(!amplifier_fault);
-        self.chip
-            .drive_pin(at, fault.port, fault.pin, Some(fault_level));
+        self.chip.drive_pin(at, fault.port, fault.pin, Some(fault_level));
         let break_level = self.connected(stop).then_some(stop_level);
-        self.chip
-            .timer(at, wiring::PWM_TIMER, |timer, registers, context| {
-                timer.set_break_input(break_level, registers, context);
-            });
+        self.chip.timer(at, wiring::PWM_TIMER, |timer, registers, context| {
+            timer.set_break_input(break_level, registers, context);
+        });
         let encoders = [wiring::PITCH_ENCODER, wiring::YAW_ENCODER];
         for (nth, Encoder { timer, pins }) in encoders.into_iter().enumerate() {
             let edges = counts[nth] - self.turned[nth];
@@ -166,11 +145,7 @@ impl Board {
             }
         }
         let (converter, channel, divider) = wiring::SUPPLY;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a few volts"
-        )]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few volts")]
         let millivolts = (supply / divider * 1000.0).round().max(0.0) as u32;
         self.chip.set_analog(converter, channel, millivolts);
         let (port, pins) = wiring::SERIAL;
@@ -190,9 +165,7 @@ impl Board {
                 }
             })
         });
-        let active = self.chip.timer(at, wiring::PWM_TIMER, |timer, _, _| {
-            *timer.counter().active()
-        });
+        let active = self.chip.timer(at, wiring::PWM_TIMER, |timer, _, _| *timer.counter().active());
         Outputs {
             at,
             compare: active.compare,
@@ -230,9 +203,7 @@ impl Described for Board {
         let core = armv7m::Core {
             variant: armv7m::Variant::M4,
             clock_hz: some(CORE_HZ),
-            interrupt_lines: NonZeroU32::from(
-                std::num::NonZeroU16::new(INTERRUPT_LINES).expect("not zero"),
-            ),
+            interrupt_lines: NonZeroU32::from(std::num::NonZeroU16::new(INTERRUPT_LINES).expect("not zero")),
             priority_bits: 4,
             refclk_divider: NonZeroU32::new(8).expect("not zero"),
             instructions_per_second: some(CORE_HZ),
@@ -267,10 +238,7 @@ impl Mcu for Board {
     fn split(
         &mut self,
         slot: usize,
-    ) -> (
-        &mut rigless::soc::Bus,
-        Option<&mut dyn rigless::device::ErasedDevice>,
-    ) {
+    ) -> (&mut rigless::soc::Bus, Option<&mut dyn rigless::device::ErasedDevice>) {
         self.chip.split(slot)
     }
 }

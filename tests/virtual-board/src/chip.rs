@@ -177,11 +177,7 @@ impl Stm32f405 {
     }
 
     /// Drives the flash from outside at `at`.
-    pub fn drive_flash(
-        &mut self,
-        at: VirtualNanos,
-        act: impl FnOnce(&mut Flash, &mut DeviceContext<'_>),
-    ) {
+    pub fn drive_flash(&mut self, at: VirtualNanos, act: impl FnOnce(&mut Flash, &mut DeviceContext<'_>)) {
         let (_, mut context) = self.bus.drive(at, self.slots.flash);
         act(&mut self.flash, &mut context);
     }
@@ -210,13 +206,10 @@ impl Stm32f405 {
 
     /// Takes the voltage detector's output to its external interrupt line, 12.2.5.
     fn watch_rail(&mut self, at: VirtualNanos) {
-        let status = self.bus.slots()[self.slots.pwr]
-            .registers()
-            .get(generated::pwr::Register::Csr);
+        let status = self.bus.slots()[self.slots.pwr].registers().get(generated::pwr::Register::Csr);
         let low = generated::pwr::csr::PVDO.is_set(status);
         let (registers, mut context) = self.bus.drive(at, self.slots.exti);
-        self.exti
-            .set_line(exti::VOLTAGE_DETECTOR, low, registers, &mut context);
+        self.exti.set_line(exti::VOLTAGE_DETECTOR, low, registers, &mut context);
     }
 
     /// The crystal stops.
@@ -238,9 +231,7 @@ impl Stm32f405 {
 
     /// Whether a pin is an output of the port itself.
     pub fn pin_is_output(&self, port: usize, pin: u8) -> bool {
-        let modes = self
-            .port_registers(port)
-            .get(generated::gpioa::Register::Moder);
+        let modes = self.port_registers(port).get(generated::gpioa::Register::Moder);
         modes >> (2 * u32::from(pin)) & 3 == 1
     }
 
@@ -278,16 +269,8 @@ impl Stm32f405 {
     }
 
     /// What an output of a timer drives at `at`, if its pin were in the right function.
-    pub fn timer_output(
-        &mut self,
-        at: VirtualNanos,
-        nth: usize,
-        channel: usize,
-        side: Side,
-    ) -> timer::Drive {
-        self.timer(at, nth, |timer, registers, _| {
-            timer.output(registers, channel, side)
-        })
+    pub fn timer_output(&mut self, at: VirtualNanos, nth: usize, channel: usize, side: Side) -> timer::Drive {
+        self.timer(at, nth, |timer, registers, _| timer.output(registers, channel, side))
     }
 
     /// Whether the supply came on since the last call, so that nothing is left of what RAM held: what
@@ -295,9 +278,8 @@ impl Stm32f405 {
     pub fn take_power_on(&mut self) -> Option<impl Iterator<Item = (u64, u64)> + use<>> {
         let at = self.came_up.take()?;
         let mut random = self.seed ^ at.0.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-        let words = [SRAM, description::CCM]
-            .into_iter()
-            .flat_map(|(base, size)| (base..base + size).step_by(8));
+        let words =
+            [SRAM, description::CCM].into_iter().flat_map(|(base, size)| (base..base + size).step_by(8));
         Some(words.map(move |address| {
             random ^= random << 13;
             random ^= random >> 7;
@@ -326,9 +308,7 @@ impl Mcu for Stm32f405 {
         let mut fresh = Self::new(self.seed).expect("a part that assembled once assembles again");
         let rcc = self.slots.rcc;
         if cause != ResetCause::PowerOn {
-            let flags = self.bus.slots()[rcc]
-                .registers()
-                .get(generated::rcc::Register::Csr);
+            let flags = self.bus.slots()[rcc].registers().get(generated::rcc::Register::Csr);
             let registers = fresh.bus.slot_mut(rcc).registers_mut();
             fresh.rcc.restarted(cause, flags, registers);
         }

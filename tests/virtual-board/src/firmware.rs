@@ -77,8 +77,8 @@ impl Firmware {
             if !sh_flags.contains(object::elf::SHF_ALLOC) {
                 continue;
             }
-            let loaded = section.kind() != object::SectionKind::UninitializedData
-                && section.file_range().is_some();
+            let loaded =
+                section.kind() != object::SectionKind::UninitializedData && section.file_range().is_some();
             let in_ram = section.address() >= crate::chip::SRAM.0;
             if loaded {
                 flash_size += section.size();
@@ -93,14 +93,7 @@ impl Firmware {
             }
         }
         let image = Image::new(path, bytes.clone(), None).map_err(|why| refuse(why.to_string()))?;
-        Ok(Self {
-            image,
-            functions,
-            symbols,
-            code,
-            flash_size,
-            ram_size,
-        })
+        Ok(Self { image, functions, symbols, code, flash_size, ram_size })
     }
 
     /// What the emulator loads.

@@ -77,13 +77,7 @@ pub struct Setup {
 impl Setup {
     /// `firmware` alone, its tick in TIM1's update interrupt.
     pub fn new(firmware: Firmware) -> Self {
-        Self {
-            firmware,
-            images: Vec::new(),
-            tick: "TIM1_UP_TIM10",
-            seed: 1,
-            bus_errors_allowed: false,
-        }
+        Self { firmware, images: Vec::new(), tick: "TIM1_UP_TIM10", seed: 1, bus_errors_allowed: false }
     }
 
     /// With `bytes` in the flash from `address` on.
@@ -125,18 +119,11 @@ impl Machine {
                 let _ = reply.send(Err(failure));
             }
         });
-        Self {
-            commands: Some(commands),
-            replies,
-            thread: Some(thread),
-        }
+        Self { commands: Some(commands), replies, thread: Some(thread) }
     }
 
     fn command(&mut self, command: Command) -> Result<bool, Failure> {
-        let sent = self
-            .commands
-            .as_ref()
-            .is_some_and(|to| to.send(command).is_ok());
+        let sent = self.commands.as_ref().is_some_and(|to| to.send(command).is_ok());
         match self.replies.recv() {
             Ok(reply) => reply,
             Err(_) if sent => Err(Failure("the emulator's thread died".into())),
@@ -189,10 +176,7 @@ impl Machine {
     /// # Panics
     ///
     /// If the run has ended.
-    pub fn with<T: Send + 'static>(
-        &mut self,
-        act: impl FnOnce(&mut Live<'_>) -> T + Send + 'static,
-    ) -> T {
+    pub fn with<T: Send + 'static>(&mut self, act: impl FnOnce(&mut Live<'_>) -> T + Send + 'static) -> T {
         let (result, taken) = sync_channel(1);
         let act = Box::new(move |live: &mut Live<'_>| {
             // The one that asked waits for it.
@@ -209,10 +193,7 @@ impl Machine {
     /// # Panics
     ///
     /// If it is another type, or the run has ended.
-    pub fn rig<R: Rig, T: Send + 'static>(
-        &mut self,
-        act: impl FnOnce(&mut R) -> T + Send + 'static,
-    ) -> T {
+    pub fn rig<R: Rig, T: Send + 'static>(&mut self, act: impl FnOnce(&mut R) -> T + Send + 'static) -> T {
         self.with(move |live| act(live.rig()))
     }
 

@@ -12,19 +12,11 @@ pub struct Wire {
 }
 
 const fn alternate(port: usize, pin: u8, function: u8) -> Wire {
-    Wire {
-        port,
-        pin,
-        function: Some(function),
-    }
+    Wire { port, pin, function: Some(function) }
 }
 
 const fn plain(port: usize, pin: u8) -> Wire {
-    Wire {
-        port,
-        pin,
-        function: None,
-    }
+    Wire { port, pin, function: None }
 }
 
 const A: usize = 0;
@@ -39,24 +31,16 @@ pub struct Encoder {
 }
 
 /// TIM2 and TIM3.
-pub const PITCH_ENCODER: Encoder = Encoder {
-    timer: 1,
-    pins: [alternate(A, 0, 1), alternate(A, 1, 1)],
-};
+pub const PITCH_ENCODER: Encoder = Encoder { timer: 1, pins: [alternate(A, 0, 1), alternate(A, 1, 1)] };
 /// See [`PITCH_ENCODER`].
-pub const YAW_ENCODER: Encoder = Encoder {
-    timer: 2,
-    pins: [alternate(C, 6, 2), alternate(C, 7, 2)],
-};
+pub const YAW_ENCODER: Encoder = Encoder { timer: 2, pins: [alternate(C, 6, 2), alternate(C, 7, 2)] };
 
 /// The timer that drives the amplifiers: TIM1.
 pub const PWM_TIMER: usize = 0;
 /// The legs of the main and the tail motor's bridge: channel (0 is 1), and the pins of its output and of
 /// the complementary one. The motor is between the two.
-pub const BRIDGES: [(usize, [Wire; 2]); 2] = [
-    (0, [alternate(A, 8, 1), alternate(B, 13, 1)]),
-    (1, [alternate(A, 9, 1), alternate(B, 14, 1)]),
-];
+pub const BRIDGES: [(usize, [Wire; 2]); 2] =
+    [(0, [alternate(A, 8, 1), alternate(B, 13, 1)]), (1, [alternate(A, 9, 1), alternate(B, 14, 1)])];
 
 /// High switches the amplifiers on.
 pub const AMPLIFIER_ENABLE: Wire = plain(C, 8);

@@ -7,9 +7,7 @@ use std::num::{NonZeroU32, NonZeroU64};
 use rigless::cpu::armv7m;
 use rigless::soc::stm32f427::generated::{self, gpioa};
 use rigless::soc::stm32f427::peripherals::{adc, rcc};
-use rigless::soc::{
-    Builder, Bus, Clock, Cpu, Endian, EraseBlocks, Gate, Peripheral, Region, WriteModify,
-};
+use rigless::soc::{Builder, Bus, Clock, Cpu, Endian, EraseBlocks, Gate, Peripheral, Region, WriteModify};
 
 use super::exti;
 use super::flash;
@@ -25,16 +23,12 @@ const fn blocks(size: u64, count: u32) -> EraseBlocks {
     }
 }
 
-static SECTORS: [EraseBlocks; 3] = [
-    blocks(16 << 10, 4),
-    blocks(64 << 10, 1),
-    blocks(128 << 10, 7),
-];
+static SECTORS: [EraseBlocks; 3] = [blocks(16 << 10, 4), blocks(64 << 10, 1), blocks(128 << 10, 7)];
 
 /// The RAM: where, and how much.
 pub const SRAM: (u64, u64) = (0x2000_0000, 128 << 10);
 /// The core-coupled RAM.
-pub const CCM: (u64, u64) = (0x1000_0000, 64 << 10);
+pub(super) const CCM: (u64, u64) = (0x1000_0000, 64 << 10);
 
 static MEMORY: [Region; 4] = [
     Region::flash("flash", flash::BASE, flash::SIZE as u64)
@@ -98,14 +92,11 @@ pub static TIMERS: [TimerInstance; 14] = [
 ];
 
 /// The ports of the 64-pin to 176-pin packages, A to I.
-pub const PORTS: [&str; 9] = [
-    "GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "GPIOH", "GPIOI",
-];
+pub const PORTS: [&str; 9] =
+    ["GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "GPIOH", "GPIOI"];
 /// Reset values of MODER, OSPEEDR and PUPDR where they are not zero, 8.4.1, 8.4.3, 8.4.4.
-const PORT_RESETS: [(&str, [u64; 3]); 2] = [
-    ("GPIOA", [0xA800_0000, 0x0C00_0000, 0x6400_0000]),
-    ("GPIOB", [0x0000_0280, 0x0000_00C0, 0x0000_0100]),
-];
+const PORT_RESETS: [(&str, [u64; 3]); 2] =
+    [("GPIOA", [0xA800_0000, 0x0C00_0000, 0x6400_0000]), ("GPIOB", [0x0000_0280, 0x0000_00C0, 0x0000_0100])];
 
 /// A serial port: its name, whether it is on APB2, its enable and reset bits as the tables spell them.
 const SERIAL: [(&str, bool, &str, &str); 6] = [
@@ -118,10 +109,8 @@ const SERIAL: [(&str, bool, &str, &str); 6] = [
 ];
 
 /// What the F405 has not, and what no model here answers for: an access to either fails a run.
-const LEFT_OUT: [&str; 12] = [
-    "UART7", "UART8", "SPI4", "SPI5", "SPI6", "SAI1", "LTDC", "DMA2D", "GPIOJ", "GPIOK", "FMC",
-    "CRYP",
-];
+const LEFT_OUT: [&str; 12] =
+    ["UART7", "UART8", "SPI4", "SPI5", "SPI6", "SAI1", "LTDC", "DMA2D", "GPIOJ", "GPIOK", "FMC", "CRYP"];
 
 /// The RCC register of bus `apb2` with the suffix `ENR` or `RSTR`.
 const fn apb(apb2: bool, enable: bool) -> &'static str {
@@ -148,28 +137,14 @@ fn instances() -> Vec<Peripheral> {
                 };
             }
             match each.name {
-                "EXTI" => Peripheral {
-                    interrupts: exti::INTERRUPTS,
-                    ..each
-                },
-                "ADC1" | "ADC2" | "ADC3" => Peripheral {
-                    interrupts: &[18],
-                    size: 0x100,
-                    ..each
-                },
-                name if PORTS.contains(&name) => Peripheral {
-                    registers: &gpioa::REGISTERS,
-                    ..each
-                },
-                _ => Peripheral {
-                    interrupts: each
-                        .interrupts
-                        .iter()
-                        .all(|&line| line < INTERRUPT_LINES)
-                        .then_some(each.interrupts)
-                        .unwrap_or_default(),
-                    ..each
-                },
+                "EXTI" => Peripheral { interrupts: exti::INTERRUPTS, ..each },
+                "ADC1" | "ADC2" | "ADC3" => Peripheral { interrupts: &[18], size: 0x100, ..each },
+                name if PORTS.contains(&name) => Peripheral { registers: &gpioa::REGISTERS, ..each },
+                // A line past the part's own belongs to an instance that the F405 shares with others only.
+                _ if each.interrupts.iter().any(|&line| line >= INTERRUPT_LINES) => {
+                    Peripheral { interrupts: &[], ..each }
+                }
+                _ => each,
             }
         })
         .collect()
@@ -196,21 +171,11 @@ pub fn builder() -> Builder {
         builder = builder.aborts_in(name, base, size);
     }
     for timer in &TIMERS {
-        let source = if timer.on_apb2 {
-            rcc::APB2_TIMERS
-        } else {
-            rcc::APB1_TIMERS
-        };
+        let source = if timer.on_apb2 { rcc::APB2_TIMERS } else { rcc::APB1_TIMERS };
         builder = builder
             .clocked_by(timer.name, Clock::output("RCC", source))
-            .gate(
-                timer.name,
-                Gate::by("RCC", apb(timer.on_apb2, true), timer.enable),
-            )
-            .reset_by(
-                timer.name,
-                Gate::by("RCC", apb(timer.on_apb2, false), timer.reset),
-            )
+            .gate(timer.name, Gate::by("RCC", apb(timer.on_apb2, true), timer.enable))
+            .reset_by(timer.name, Gate::by("RCC", apb(timer.on_apb2, false), timer.reset))
             .reset(timer.name, "ARR", timer.kind.top());
         if timer.kind == timer::Kind::Advanced {
             builder = builder.reads_requests(timer.name);
@@ -237,9 +202,7 @@ pub fn builder() -> Builder {
             builder = builder.reset(port, register, value);
         }
     }
-    for (controller, enable, reset) in
-        [("DMA1", "DMA1EN", "DMA1RST"), ("DMA2", "DMA2EN", "DMA2RST")]
-    {
+    for (controller, enable, reset) in [("DMA1", "DMA1EN", "DMA1RST"), ("DMA2", "DMA2EN", "DMA2RST")] {
         builder = builder
             .reads_requests(controller)
             .gate(controller, Gate::by("RCC", "AHB1ENR", enable))

@@ -6,9 +6,7 @@ use rigless::device::{Device, DeviceContext, Level, RegisterFile, RequestChange}
 use rigless::soc::stm32f427::generated::exti::Register;
 
 /// The ports by the number that `SYSCFG_EXTICRx` gives them.
-const PORTS: [&str; 9] = [
-    "GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "GPIOH", "GPIOI",
-];
+const PORTS: [&str; 9] = ["GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "GPIOH", "GPIOI"];
 const PINS: usize = 16;
 /// The line of the programmable voltage detector.
 pub const VOLTAGE_DETECTOR: usize = 16;
@@ -58,16 +56,8 @@ impl Exti {
         }
     }
 
-    fn follow_pin(
-        &mut self,
-        line: usize,
-        registers: &mut RegisterFile,
-        context: &mut DeviceContext<'_>,
-    ) {
-        let high = self
-            .pins
-            .get(self.chosen[line])
-            .is_some_and(|port| port[line]);
+    fn follow_pin(&mut self, line: usize, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
+        let high = self.pins.get(self.chosen[line]).is_some_and(|port| port[line]);
         self.set_line(line, high, registers, context);
     }
 

@@ -21,11 +21,8 @@ const CONTROL_AT_RESET: u64 = cr::LOCK.mask();
 const KEYS: [u64; 2] = [0x4567_0123, 0xCDEF_89AB];
 /// Typical durations with `PSIZE` x32 [ns], datasheet table 40: a word, and a sector by its size.
 const PROGRAM_NS: u64 = 16_000;
-const ERASE_NS: [(u64, u64); 3] = [
-    (16 << 10, 250_000_000),
-    (64 << 10, 550_000_000),
-    (128 << 10, 1_000_000_000),
-];
+const ERASE_NS: [(u64, u64); 3] =
+    [(16 << 10, 250_000_000), (64 << 10, 550_000_000), (128 << 10, 1_000_000_000)];
 /// How much longer an erase takes with narrower parallelism, by `PSIZE`, in hundredths.
 const ERASE_BY_PSIZE: [u64; 4] = [160, 120, 100, 100];
 
@@ -106,8 +103,7 @@ impl Flash {
     pub fn replace(&mut self, address: u64, bytes: &[u8], context: &mut DeviceContext<'_>) {
         for (word, four) in bytes.chunks_exact(4).enumerate() {
             let value = u64::from(u32::from_le_bytes(four.try_into().expect("four bytes")));
-            self.array
-                .put(address + 4 * word as u64, Width::W32, value, context);
+            self.array.put(address + 4 * word as u64, Width::W32, value, context);
         }
     }
 
@@ -127,8 +123,7 @@ impl Flash {
             let elapsed = context.now().0 - running.started;
             #[expect(clippy::cast_precision_loss, reason = "a share of a second at most")]
             let share = elapsed as f64 / running.duration as f64;
-            self.array
-                .leave_half_done(running.operation, share, context);
+            self.array.leave_half_done(running.operation, share, context);
         }
         self.outage = Some(OUTAGE_NS);
         context.request_power(false);
@@ -175,12 +170,7 @@ impl Flash {
             }
         }
         let ends = context.schedule(VirtualNanos(started + duration));
-        self.running = Some(Running {
-            operation,
-            started,
-            duration,
-            ends,
-        });
+        self.running = Some(Running { operation, started, duration, ends });
     }
 
     fn error(registers: &mut RegisterFile, flag: u64) {
@@ -225,12 +215,7 @@ impl Flash {
         let typical = ERASE_NS.iter().find(|(bytes, _)| *bytes == size);
         let (_, typical) = typical.expect("every sector's size is listed");
         let duration = typical * ERASE_BY_PSIZE[parallelism] / 100;
-        self.start(
-            Operation::Erase { address, size },
-            duration,
-            registers,
-            context,
-        );
+        self.start(Operation::Erase { address, size }, duration, registers, context);
     }
 }
 
@@ -278,22 +263,13 @@ impl Device for Flash {
         } else if u64::from(width.bytes()) != 1 << cr::PSIZE.get(control) {
             Self::error(registers, sr::PGPERR.mask());
         } else {
-            let operation = Operation::Program {
-                address,
-                width,
-                value,
-            };
+            let operation = Operation::Program { address, width, value };
             self.start(operation, PROGRAM_NS, registers, context);
         }
         true
     }
 
-    fn on_event(
-        &mut self,
-        event: EventId,
-        registers: &mut RegisterFile,
-        context: &mut DeviceContext<'_>,
-    ) {
+    fn on_event(&mut self, event: EventId, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         if self.returning == Some(event) {
             self.returning = None;
             context.request_power(true);
@@ -306,8 +282,7 @@ impl Device for Flash {
         if cut {
             self.cutting = None;
             let share = self.cuts.pop().expect("the cut that is due").share;
-            self.array
-                .leave_half_done(running.operation, share, context);
+            self.array.leave_half_done(running.operation, share, context);
             self.outage = Some(OUTAGE_NS);
             context.request_power(false);
             return;

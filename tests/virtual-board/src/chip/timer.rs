@@ -24,12 +24,7 @@ pub use counter::{Control, Counter, Shape, Values};
 pub use outputs::{Drive, Side, dead_time_ticks};
 pub use registers::{Kind, REGISTERS, Register};
 
-const COMPARE: [Register; 4] = [
-    Register::Ccr1,
-    Register::Ccr2,
-    Register::Ccr3,
-    Register::Ccr4,
-];
+const COMPARE: [Register; 4] = [Register::Ccr1, Register::Ccr2, Register::Ccr3, Register::Ccr4];
 
 /// `SR` and `DIER`.
 const UPDATE_FLAG: u64 = 1;
@@ -114,9 +109,7 @@ impl Timer {
     fn wake_at_next(&mut self, registers: &RegisterFile, context: &mut DeviceContext<'_>) {
         let enables = registers.get(Register::Dier);
         let channels = [0, 1, 2, 3].map(|channel| enables & (2 << channel) != 0);
-        let next = self
-            .counter
-            .next_event(enables & UPDATE_FLAG != 0, channels);
+        let next = self.counter.next_event(enables & UPDATE_FLAG != 0, channels);
         self.wake = next.map(|at| context.schedule(VirtualNanos(at)));
     }
 
@@ -144,20 +137,14 @@ impl Timer {
         let cr1 = registers.get(Register::Cr1);
         let slave = registers.get(Register::Smcr) & 7;
         if slave > 3 {
-            context.tell(
-                "SMCR",
-                "a slave mode other than the encoder's is not modelled",
-            );
+            context.tell("SMCR", "a slave mode other than the encoder's is not modelled");
         }
         let encoder = matches!(slave, 1..=3);
         let was_following = self.counter.control().enabled;
         let shape = match (cr1 >> 5) & 3 {
             0 if cr1 & 0x10 != 0 && !encoder => Shape::Down,
             0 => Shape::Up,
-            mode => Shape::Centre {
-                flag_up: mode != 1,
-                flag_down: mode != 2,
-            },
+            mode => Shape::Centre { flag_up: mode != 1, flag_down: mode != 2 },
         };
         let mut compare_preloaded = [false; 4];
         for (channel, preloaded) in compare_preloaded.iter_mut().enumerate() {
@@ -199,12 +186,7 @@ impl Timer {
         }
     }
 
-    fn generate(
-        &mut self,
-        asked: u64,
-        registers: &mut RegisterFile,
-        context: &mut DeviceContext<'_>,
-    ) {
+    fn generate(&mut self, asked: u64, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         if asked & 1 != 0 {
             self.counter.restart(context.now().0);
             registers.set(Register::Cnt, self.counter.count(context.now().0));
@@ -255,11 +237,7 @@ impl Device for Timer {
             Register::Cr1 => {
                 self.settle(registers, context);
                 let encoder = matches!(registers.get(Register::Smcr) & 7, 1..=3);
-                let down = if encoder {
-                    self.backwards
-                } else {
-                    self.counter.counts_down(context.now().0)
-                };
+                let down = if encoder { self.backwards } else { self.counter.counts_down(context.now().0) };
                 let value = registers.get(Register::Cr1) & !0x10;
                 Some(value | if down { 0x10 } else { 0 })
             }
@@ -287,10 +265,7 @@ impl Device for Timer {
             Register::Rcr => self.counter.write_repetition(value),
             Register::Arr => {
                 if !self.counter.write_reload(now, value) {
-                    context.tell(
-                        "ARR",
-                        "a reload value moved under the count is not modelled",
-                    );
+                    context.tell("ARR", "a reload value moved under the count is not modelled");
                 }
             }
             Register::Cnt => {
@@ -328,12 +303,7 @@ impl Device for Timer {
         self.settle(registers, context);
     }
 
-    fn on_event(
-        &mut self,
-        event: EventId,
-        registers: &mut RegisterFile,
-        context: &mut DeviceContext<'_>,
-    ) {
+    fn on_event(&mut self, event: EventId, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         if self.wake == Some(event) {
             self.settle(registers, context);
         }

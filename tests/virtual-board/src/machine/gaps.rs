@@ -36,20 +36,11 @@ pub(super) fn first(
         .iter()
         .find(|(_, fault)| !(bus_errors_allowed && matches!(fault, Fault::BusError { .. })));
     if let Some((address, fault)) = refused {
-        return Some(Failure(format!(
-            "an access to {address:#010x} was refused: {fault}"
-        )));
+        return Some(Failure(format!("an access to {address:#010x} was refused: {fault}")));
     }
     if let Some((instance, line)) = session.unrouted().iter().next() {
-        return Some(Failure(format!(
-            "{instance} raised interrupt {line}, which the core has not"
-        )));
+        return Some(Failure(format!("{instance} raised interrupt {line}, which the core has not")));
     }
     let told = session.told().next();
-    told.map(|told| {
-        Failure(format!(
-            "{}.{}: {}",
-            told.instance, told.register, told.reason
-        ))
-    })
+    told.map(|told| Failure(format!("{}.{}: {}", told.instance, told.register, told.reason)))
 }

@@ -86,10 +86,7 @@ impl Lockstep {
         if Some(hit.address) == self.entry {
             self.under_way = Some((hit.at, hit.instruction_count));
         } else if let Some((at, count)) = self.under_way.take() {
-            self.ticks.push(TickRecord {
-                at,
-                instructions: hit.instruction_count - count + 1,
-            });
+            self.ticks.push(TickRecord { at, instructions: hit.instruction_count - count + 1 });
         }
     }
 
@@ -121,12 +118,7 @@ impl Lockstep {
                     return true;
                 }
                 Ok(Command::With(act)) => {
-                    act(&mut Live {
-                        session,
-                        host,
-                        stop,
-                        lockstep: self,
-                    });
+                    act(&mut Live { session, host, stop, lockstep: self });
                     let _ = self.replies.send(Ok(true));
                 }
                 Err(_) => return false,
@@ -165,9 +157,7 @@ impl Driver<Board> for Lockstep {
         if let Some(failure) = gaps::first(session, &self.setup.firmware, allowed) {
             let seconds = stop.at.0 / MILLISECOND;
             // Nobody may be left to hear it.
-            let _ = self
-                .replies
-                .send(Err(Failure(format!("after {seconds} ms: {failure}"))));
+            let _ = self.replies.send(Err(Failure(format!("after {seconds} ms: {failure}"))));
             return None;
         }
         let outputs = session.board_mut().outputs(stop.at);
@@ -176,12 +166,7 @@ impl Driver<Board> for Lockstep {
         session.board_mut().apply(stop.at, inputs);
         self.inputs = Some(inputs);
         let came = self.reached.take().is_some_and(|mut reached| {
-            let came = reached(&mut Live {
-                session,
-                host,
-                stop: &stop,
-                lockstep: self,
-            });
+            let came = reached(&mut Live { session, host, stop: &stop, lockstep: self });
             self.reached = Some(reached);
             came
         });
@@ -285,10 +270,7 @@ impl Live<'_> {
     /// low end that still are all the same, as a firmware paints them.
     pub fn stack_used(&mut self, low: u64, high: u64) -> u64 {
         let paint = self.word(low);
-        let untouched = (low..high)
-            .step_by(4)
-            .take_while(|&address| self.word(address) == paint)
-            .count();
+        let untouched = (low..high).step_by(4).take_while(|&address| self.word(address) == paint).count();
         high - low - 4 * untouched as u64
     }
 }

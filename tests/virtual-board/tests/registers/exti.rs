@@ -11,11 +11,7 @@ fn exti() -> Alone<Exti> {
 }
 
 fn request(exti: &mut Alone<Exti>, instance: &'static str, request: usize, high: bool) {
-    let change = RequestChange {
-        instance,
-        request,
-        level: Level::from(high),
-    };
+    let change = RequestChange { instance, request, level: Level::from(high) };
     exti.drive(|exti, registers, context| exti.on_request(change, registers, context));
 }
 
@@ -84,9 +80,7 @@ fn the_voltage_detector_has_line_16() {
     let mut exti = exti();
     exti.write(R::Imr, 1 << 16);
     exti.write(R::Rtsr, 1 << 16);
-    exti.drive(|exti, registers, context| {
-        exti.set_line(VOLTAGE_DETECTOR, true, registers, context)
-    });
+    exti.drive(|exti, registers, context| exti.set_line(VOLTAGE_DETECTOR, true, registers, context));
     assert_eq!(exti.raised(), [(1, true)], "PVD");
 }
 

@@ -107,10 +107,7 @@ fn an_erase_sets_its_sector_to_ones_after_a_quarter_of_a_second_and_no_other() {
 #[test]
 fn the_sectors_are_those_of_table_5() {
     let sizes: Vec<u64> = (0..12).map(|nth| sector(nth).unwrap().1 >> 10).collect();
-    assert_eq!(
-        sizes,
-        [16, 16, 16, 16, 64, 128, 128, 128, 128, 128, 128, 128]
-    );
+    assert_eq!(sizes, [16, 16, 16, 16, 64, 128, 128, 128, 128, 128, 128, 128]);
     for nth in 1..12 {
         let (before, size) = sector(nth - 1).unwrap();
         assert_eq!(sector(nth).unwrap().0, before + size);
@@ -146,17 +143,11 @@ fn cut_program(share: f64, seed: u64) -> (u32, bool) {
     let mut flash = Alone::new("FLASH", Flash::new(seed));
     flash.write(R::Keyr, 0x4567_0123);
     flash.write(R::Keyr, 0xCDEF_89AB);
-    flash.model().plan(&[Cut {
-        operation: 2,
-        share,
-    }]);
+    flash.model().plan(&[Cut { operation: 2, share }]);
     program(&mut flash, PARAMETERS, 0x1234_5678);
     assert_eq!(word(&mut flash, PARAMETERS), 0x1234_5678);
     program(&mut flash, PARAMETERS + 4, 0);
-    (
-        word(&mut flash, PARAMETERS + 4).count_zeros(),
-        flash.model().all_cut(),
-    )
+    (word(&mut flash, PARAMETERS + 4).count_zeros(), flash.model().all_cut())
 }
 
 #[test]
@@ -173,18 +164,12 @@ fn a_cut_in_an_erase_leaves_about_the_share_of_its_bits_set_and_nothing_before_o
         let mut flash = unlocked();
         let (address, size) = sector(2).unwrap();
         flash.model().place(address - 4, &vec![0; 0x4008]);
-        flash.model().plan(&[Cut {
-            operation: 1,
-            share,
-        }]);
+        flash.model().plan(&[Cut { operation: 1, share }]);
         flash.write(R::Cr, PSIZE_X32 | SER | 2 << 3 | STRT);
         flash.pass(250_000_000);
         let bytes = flash.model().bytes(address, usize::try_from(size).unwrap());
         let ones: u32 = bytes.iter().map(|byte| byte.count_ones()).sum();
-        assert!(
-            (low..=high).contains(&ones),
-            "{ones} of 131072 bits at {share}"
-        );
+        assert!((low..=high).contains(&ones), "{ones} of 131072 bits at {share}");
         assert_eq!(word(&mut flash, address - 4), 0);
         assert_eq!(word(&mut flash, address + size), 0);
     }
@@ -197,10 +182,6 @@ fn every_operation_is_written_down() {
     flash.write(R::Cr, PSIZE_X32 | SER | 3 << 3 | STRT);
     let operations: Vec<Operation> = flash.model().log.iter().map(|each| each.1).collect();
     let (address, size) = sector(3).unwrap();
-    let word = Operation::Program {
-        address: PARAMETERS,
-        width: Width::W32,
-        value: 5,
-    };
+    let word = Operation::Program { address: PARAMETERS, width: Width::W32, value: 5 };
     assert_eq!(operations, [word, Operation::Erase { address, size }]);
 }

@@ -25,13 +25,7 @@ impl<D: Device + 'static> Alone<D> {
     /// `model` on `instance` of the part.
     pub fn new(instance: &'static str, model: D) -> Self {
         let single = Single::new(builder(), instance, model).expect("the part has it");
-        Self {
-            single,
-            instance,
-            now: 0,
-            told: Vec::new(),
-            raised: Vec::new(),
-        }
+        Self { single, instance, now: 0, told: Vec::new(), raised: Vec::new() }
     }
 
     fn address(&self, register: D::Register) -> u64 {
@@ -40,30 +34,23 @@ impl<D: Device + 'static> Alone<D> {
     }
 
     fn take(&mut self) {
-        self.told
-            .extend(self.single.drain_told().iter().map(|told| told.reason));
+        self.told.extend(self.single.drain_told().iter().map(|told| told.reason));
         for change in self.single.drain_interrupts() {
-            self.raised
-                .push((change.interrupt, change.level == Level::High));
+            self.raised.push((change.interrupt, change.level == Level::High));
         }
     }
 
     /// The firmware writes a register.
     pub fn write(&mut self, register: D::Register, value: u64) {
         let (at, address) = (VirtualNanos(self.now), self.address(register));
-        self.single
-            .write(at, address, Width::W32, value)
-            .expect("the bus takes it");
+        self.single.write(at, address, Width::W32, value).expect("the bus takes it");
         self.take();
     }
 
     /// The firmware reads a register.
     pub fn read(&mut self, register: D::Register) -> u64 {
         let (at, address) = (VirtualNanos(self.now), self.address(register));
-        let value = self
-            .single
-            .read(at, address, Width::W32)
-            .expect("the bus answers");
+        let value = self.single.read(at, address, Width::W32).expect("the bus answers");
         self.take();
         value
     }
@@ -71,9 +58,7 @@ impl<D: Device + 'static> Alone<D> {
     /// The firmware stores a value into memory the model programs.
     pub fn store(&mut self, address: u64, width: Width, value: u64) {
         self.drive(|model, registers, context| {
-            assert!(Device::write_region(
-                model, address, width, value, registers, context
-            ));
+            assert!(Device::write_region(model, address, width, value, registers, context));
         });
     }
 

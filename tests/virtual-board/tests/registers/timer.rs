@@ -121,11 +121,7 @@ fn updates_that_nobody_looked_at_for_long_come_out_as_if_somebody_had() {
     for _ in 0..100 {
         seldom.pass(US);
         often.pass(US);
-        assert_eq!(
-            seldom.read(R::Sr),
-            often.read(R::Sr),
-            "the next updates come together"
-        );
+        assert_eq!(seldom.read(R::Sr), often.read(R::Sr), "the next updates come together");
     }
 }
 
@@ -142,16 +138,10 @@ fn preloaded_values_take_effect_at_the_update_event_and_others_at_once() {
     assert_eq!(active(&mut timer).compare[..2], [0, 22]);
     timer.pass(99 * US);
     timer.read(R::Sr);
-    assert_eq!(
-        (active(&mut timer).compare[0], active(&mut timer).reload),
-        (0, 99)
-    );
+    assert_eq!((active(&mut timer).compare[0], active(&mut timer).reload), (0, 99));
     timer.pass(US);
     timer.read(R::Sr);
-    assert_eq!(
-        (active(&mut timer).compare[0], active(&mut timer).reload),
-        (11, 49)
-    );
+    assert_eq!((active(&mut timer).compare[0], active(&mut timer).reload), (11, 49));
 }
 
 #[test]
@@ -250,10 +240,7 @@ fn an_encoder_counts_every_edge_both_ways_and_shows_the_direction() {
     turn(&mut timer, 5);
     assert_eq!((timer.read(R::Cnt), timer.read(R::Cr1) & 0x10), (5, 0));
     turn(&mut timer, -8);
-    assert_eq!(
-        (timer.read(R::Cnt), timer.read(R::Cr1) & 0x10),
-        (0xFFFD, 0x10)
-    );
+    assert_eq!((timer.read(R::Cnt), timer.read(R::Cr1) & 0x10), (0xFFFD, 0x10));
     assert_eq!(timer.read(R::Sr) & 1, 1, "past zero is an update");
 }
 
@@ -342,17 +329,9 @@ fn the_break_input_waits_for_its_enable_and_its_polarity() {
     assert_eq!(timer.read(R::Sr) & 1 << 7, 1 << 7);
     assert_eq!(timer.raised(), [(24, true)], "TIM1_BRK_TIM9");
     timer.write(R::Bdtr, 0b1011 << 12);
-    assert_eq!(
-        timer.held(R::Bdtr) & 1 << 15,
-        0,
-        "MOE cannot be set while the break stands"
-    );
+    assert_eq!(timer.held(R::Bdtr) & 1 << 15, 0, "MOE cannot be set while the break stands");
     set(&mut timer, false);
-    assert_eq!(
-        timer.held(R::Bdtr) & 1 << 15,
-        0,
-        "and does not come back by itself"
-    );
+    assert_eq!(timer.held(R::Bdtr) & 1 << 15, 0, "and does not come back by itself");
     timer.write(R::Bdtr, 0b1011 << 12);
     assert_ne!(timer.held(R::Bdtr) & 1 << 15, 0, "but by being set again");
 }

@@ -59,22 +59,12 @@ fn a_pulse_shorter_than_the_dead_time_does_not_come() {
 #[test]
 fn the_dead_time_generator_has_four_ranges() {
     // 17.4.18: DTG, and the time in tDTS.
-    for (generator, steps) in [
-        (0, 0),
-        (127, 127),
-        (0x80, 128),
-        (0xBF, 254),
-        (0xC0, 256),
-        (0xDF, 504),
-        (0xE0, 512),
-        (0xFF, 1008),
-    ] {
+    for (generator, steps) in
+        [(0, 0), (127, 127), (0x80, 128), (0xBF, 254), (0xC0, 256), (0xDF, 504), (0xE0, 512), (0xFF, 1008)]
+    {
         let mut timer = bridge(1000);
         timer.write(R::Bdtr, MOE | generator);
-        assert_eq!(
-            timer.drive(|_, registers, _| dead_time_ticks(registers)),
-            steps
-        );
+        assert_eq!(timer.drive(|_, registers, _| dead_time_ticks(registers)), steps);
     }
 }
 
@@ -126,10 +116,7 @@ fn edge_aligned_pulses_are_the_compare_value_of_one_more_than_the_reload_value()
     timer.write(R::Ccer, 1);
     timer.write(R::Egr, 1);
     timer.write(R::Cr1, 1);
-    let pulses = Drive::Pulses {
-        high: 250,
-        period: 1000,
-    };
+    let pulses = Drive::Pulses { high: 250, period: 1000 };
     assert_eq!(drives(&mut timer)[0], pulses);
     assert_eq!(pulses.share_high(), Some(0.25));
 }
@@ -138,8 +125,5 @@ fn edge_aligned_pulses_are_the_compare_value_of_one_more_than_the_reload_value()
 fn a_match_mode_that_is_switched_on_is_told() {
     let mut timer = bridge(1000);
     timer.write(R::Ccmr1, 0x38);
-    assert_eq!(
-        timer.told(),
-        ["the match and toggle output modes are not modelled"]
-    );
+    assert_eq!(timer.told(), ["the match and toggle output modes are not modelled"]);
 }

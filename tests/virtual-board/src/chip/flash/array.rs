@@ -14,11 +14,7 @@ pub enum Operation {
     /// A sector set to ones: its first address and size.
     Erase { address: u64, size: u64 },
     /// Bits of a word, or less, set to zero.
-    Program {
-        address: u64,
-        width: Width,
-        value: u64,
-    },
+    Program { address: u64, width: Width, value: u64 },
 }
 
 /// The first address and the size of sector `number` of twelve, table 5.
@@ -42,10 +38,7 @@ pub(super) struct Array {
 impl Array {
     /// An erased array.
     pub(super) fn new(seed: u64) -> Self {
-        Self {
-            bytes: vec![0xFF; SIZE],
-            random: seed | 1,
-        }
+        Self { bytes: vec![0xFF; SIZE], random: seed | 1 }
     }
 
     /// The array's bytes from `address` on.
@@ -68,11 +61,7 @@ impl Array {
     }
 
     /// 32 bits, each set with probability `share`.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "0 to 65536"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 65536")]
     fn draw_word(&mut self, share: f64) -> u64 {
         let threshold = (share * 65536.0) as u64;
         (0..32).fold(0, |word, bit| {
@@ -88,13 +77,7 @@ impl Array {
         u64::from_le_bytes(value)
     }
 
-    pub(super) fn put(
-        &mut self,
-        address: u64,
-        width: Width,
-        value: u64,
-        context: &mut DeviceContext<'_>,
-    ) {
+    pub(super) fn put(&mut self, address: u64, width: Width, value: u64, context: &mut DeviceContext<'_>) {
         let (start, length) = (offset(address), width.bytes() as usize);
         self.bytes[start..start + length].copy_from_slice(&value.to_le_bytes()[..length]);
         context.program(address, width, value, 0);
@@ -108,11 +91,7 @@ impl Array {
                     self.put(address + 4 * word, Width::W32, 0xFFFF_FFFF, context);
                 }
             }
-            Operation::Program {
-                address,
-                width,
-                value,
-            } => {
+            Operation::Program { address, width, value } => {
                 let value = self.get(address, width) & value;
                 self.put(address, width, value, context);
             }
@@ -134,11 +113,7 @@ impl Array {
                     self.put(at, Width::W32, value, context);
                 }
             }
-            Operation::Program {
-                address,
-                width,
-                value,
-            } => {
+            Operation::Program { address, width, value } => {
                 let cleared = self.draw_word(share) | self.draw_word(share) << 32;
                 let value = self.get(address, width) & (value | !cleared);
                 self.put(address, width, value & width.mask(), context);

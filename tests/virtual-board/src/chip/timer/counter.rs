@@ -79,12 +79,7 @@ pub struct Counter {
 impl Counter {
     /// A counter out of reset, on a clock of `clock_hz` [Hz].
     pub fn new(kind: Kind, clock_hz: u64) -> Self {
-        let values = Values {
-            prescaler: 0,
-            reload: kind.top(),
-            repetition: 0,
-            compare: [0; 4],
-        };
+        let values = Values { prescaler: 0, reload: kind.top(), repetition: 0, compare: [0; 4] };
         Self {
             kind,
             clock_hz,
@@ -265,10 +260,7 @@ impl Counter {
 
     fn load(&mut self) {
         let compare = self.written.compare;
-        self.active = Values {
-            compare,
-            ..self.written
-        };
+        self.active = Values { compare, ..self.written };
         self.repetitions_left = self.active.repetition;
     }
 
@@ -317,7 +309,7 @@ impl Counter {
         }
         let period = (self.active.repetition + 1) * self.sweep();
         let elapsed = self.position(now) - self.seen;
-        let periods = elapsed / period & !1;
+        let periods = (elapsed / period) & !1;
         if periods == 0 {
             return;
         }
@@ -337,10 +329,9 @@ impl Counter {
         match self.control.shape {
             Shape::Up => [Some(compare), None],
             Shape::Down => [Some(reload - compare), None],
-            Shape::Centre { flag_up, flag_down } => [
-                flag_up.then_some(compare),
-                flag_down.then_some(2 * reload - compare),
-            ],
+            Shape::Centre { flag_up, flag_down } => {
+                [flag_up.then_some(compare), flag_down.then_some(2 * reload - compare)]
+            }
         }
     }
 
@@ -351,18 +342,12 @@ impl Counter {
             let base = start / cycle * cycle + within % cycle;
             if base > start { base } else { base + cycle }
         };
-        self.match_positions(channel)
-            .into_iter()
-            .flatten()
-            .map(first)
-            .min()
+        self.match_positions(channel).into_iter().flatten().map(first).min()
     }
 
     fn note_matches(&self, start: u64, end: u64, matched: &mut [bool; 4]) {
         for (channel, matched) in matched.iter_mut().enumerate() {
-            *matched |= self
-                .next_match(channel, start)
-                .is_some_and(|position| position <= end);
+            *matched |= self.next_match(channel, start).is_some_and(|position| position <= end);
         }
     }
 
@@ -377,11 +362,7 @@ impl Counter {
         let matches = (0..4)
             .filter(|&channel| channels[channel])
             .filter_map(|channel| self.next_match(channel, self.seen));
-        let wanted =
-            !self.control.updates_disabled && (updates || (pending && channels.contains(&true)));
-        matches
-            .chain(wanted.then_some(update))
-            .min()
-            .map(|position| self.instant(self.tick_of(position)))
+        let wanted = !self.control.updates_disabled && (updates || (pending && channels.contains(&true)));
+        matches.chain(wanted.then_some(update)).min().map(|position| self.instant(self.tick_of(position)))
     }
 }

@@ -22,12 +22,7 @@ impl Timer {
 
     /// Turns the encoder's shaft by `edges` edges of its two channels, four to a line, the positive
     /// direction being the one in which channel 1 leads.
-    pub fn turn(
-        &mut self,
-        edges: i64,
-        registers: &mut RegisterFile,
-        context: &mut DeviceContext<'_>,
-    ) {
+    pub fn turn(&mut self, edges: i64, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         if edges == 0 || !Self::follows_encoder(registers) {
             return;
         }
@@ -75,11 +70,7 @@ impl Timer {
         self.drive_lines(registers, context);
     }
 
-    pub(super) fn write_break(
-        &mut self,
-        registers: &mut RegisterFile,
-        context: &mut DeviceContext<'_>,
-    ) {
+    pub(super) fn write_break(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         if let Some(locked) = self.locked {
             let level = usize::try_from((locked & LOCK) >> 8).expect("two bits");
             registers.restore(Register::Bdtr, FROZEN[level] | LOCK, locked);

@@ -26,10 +26,7 @@ impl Drive {
 
     fn inverted_if(self, inverted: bool) -> Self {
         match self {
-            Self::Pulses { high, period } if inverted => Self::Pulses {
-                high: period - high,
-                period,
-            },
+            Self::Pulses { high, period } if inverted => Self::Pulses { high: period - high, period },
             Self::Low if inverted => Self::High,
             Self::High if inverted => Self::Low,
             same => same,
@@ -110,10 +107,7 @@ fn reference(counter: &Counter, registers: &RegisterFile, channel: usize) -> Dri
     } else if active >= period {
         Drive::High
     } else {
-        Drive::Pulses {
-            high: active,
-            period,
-        }
+        Drive::Pulses { high: active, period }
     };
     match mode {
         4 => Drive::Low,
@@ -126,7 +120,7 @@ fn reference(counter: &Counter, registers: &RegisterFile, channel: usize) -> Dri
 }
 
 /// What one output of a channel drives, table 96 of 17.4.9.
-pub fn drive(
+pub(super) fn drive(
     kind: Kind,
     counter: &Counter,
     registers: &RegisterFile,
@@ -144,19 +138,11 @@ pub fn drive(
         let shift = 8 + 2 * channel + usize::from(side == Side::Complement);
         let idle = registers.get(Register::Cr2) & (1 << shift) != 0;
         let idles = bdtr & OSSI != 0 && (enabled || other);
-        return if idles {
-            Drive::steady(idle)
-        } else {
-            Drive::Released
-        };
+        return if idles { Drive::steady(idle) } else { Drive::Released };
     }
     if !enabled {
         let off_state = kind == Kind::Advanced && bdtr & OSSR != 0 && other;
-        return if off_state {
-            Drive::steady(active_low)
-        } else {
-            Drive::Released
-        };
+        return if off_state { Drive::steady(active_low) } else { Drive::Released };
     }
     let reference = reference(counter, registers, channel);
     // Alone, OCxN follows OCxREF; beside OCx it is its complement.
@@ -170,10 +156,7 @@ pub fn drive(
 fn shortened(signal: Drive, dead: u64) -> Drive {
     match signal {
         Drive::Pulses { high, .. } if high <= dead => Drive::Low,
-        Drive::Pulses { high, period } => Drive::Pulses {
-            high: high - dead,
-            period,
-        },
+        Drive::Pulses { high, period } => Drive::Pulses { high: high - dead, period },
         steady => steady,
     }
 }

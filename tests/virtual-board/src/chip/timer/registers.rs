@@ -23,20 +23,14 @@ pub static REGISTERS: [RegisterSpec; 21] = [
     register("SMCR", 0x08),
     register("DIER", 0x0C),
     // Every flag is rc_w0: a written zero clears it, a written one leaves it.
-    RegisterSpec {
-        write: WriteModify::ZeroToClear,
-        ..register("SR", 0x10)
-    },
+    RegisterSpec { write: WriteModify::ZeroToClear, ..register("SR", 0x10) },
     register("EGR", 0x14),
     register("CCMR1", 0x18),
     register("CCMR2", 0x1C),
     register("CCER", 0x20),
     register("CNT", 0x24),
     register("PSC", 0x28),
-    RegisterSpec {
-        reset: 0xFFFF,
-        ..register("ARR", 0x2C)
-    },
+    RegisterSpec { reset: 0xFFFF, ..register("ARR", 0x2C) },
     register("RCR", 0x30),
     register("CCR1", 0x34),
     register("CCR2", 0x38),
