@@ -2,7 +2,7 @@
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 
 /// What comes of a torque request.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +18,16 @@ pub struct Allocation<R: Real> {
 }
 
 impl<R: Real> Allocation<R> {
+    /// Nothing asked for, nothing given.
+    pub fn none() -> Self {
+        Self {
+            volts: PerMotor::zero(),
+            demand: PerMotor::zero(),
+            unallocated_torque: PerAxis::zero(),
+            fault: R::Mask::splat(false),
+        }
+    }
+
     /// Was more asked of a motor than its limit allows?
     #[inline(always)]
     pub fn saturated(&self, limit: PerMotor<R>) -> PerMotor<R::Mask> {

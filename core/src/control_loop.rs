@@ -1,16 +1,38 @@
 //! The tick of the board, as a list of verbs; the arithmetic is in the steps it calls.
 
+use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
-use crate::encoder::Encoder;
+use crate::encoder::{CounterWidth, Encoder};
+use crate::estimator::Estimate;
+use crate::first_power::{FirstPowerCheck, STILL_TICKS, Verdict};
+use crate::monitor::{Monitor, Seen};
+use crate::parameters::Parameters;
 use crate::pipeline::{Command, Pipeline, Settings};
 use crate::reference::Reference;
+use crate::supervisor::{Condition, Conditions, Request, State, Supervisor};
+use crate::telemetry::Frame;
+use serde::{Deserialize, Serialize};
 
-/// Encoders in, duties out, once a tick.
+/// Counters in, duties out, once a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlLoop {
+    tick: u32,
+    settings: Settings<f32>,
+    rest_counts: PerAxis<i32>,
     encoders: PerAxis<Encoder>,
+    /// \[ticks\] Since an encoder last moved.
+    still: u32,
+    zeroed: bool,
+    checked: bool,
     pipeline: Pipeline<f32>,
+    /// The last tick's pipeline met a NaN or an infinity.
+    fault: bool,
+    monitor: Monitor,
+    supervisor: Supervisor,
+    check: FirstPowerCheck,
+    verdict: Option<Verdict>,
+    approach: Approach,
     drive: Drive<f32>,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
     latched: PerMotor<f32>,
@@ -23,8 +45,25 @@ pub struct Inputs {
     pub counters: PerAxis<u32>,
     /// \[V\] Supply of the amplifiers.
     pub supply: f32,
-    /// What is wanted.
-    pub reference: Reference<f32>,
+    /// The amplifier says that it limits the current.
+    pub current_limit: bool,
+    /// What else is wrong, as only the board can see.
+    pub senses: Conditions,
+    /// A message came since the last tick.
+    pub heard: bool,
+    /// What the operator wants, if anything new.
+    pub wish: Option<Wish>,
+}
+
+/// What the operator may want of the loop.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Wish {
+    /// To arm, to disarm, to clear a fault, to check the wiring.
+    Request(Request),
+    /// To be there, and to move on at that rate and acceleration until the next setpoint.
+    Setpoint(Reference<f32>),
+    /// To take where the rig lies now, motors off and still, for its rest pose.
+    Zero,
 }
 
 /// What the board is to do when a tick ends.
@@ -32,32 +71,205 @@ pub struct Inputs {
 pub struct Outputs {
     /// To be latched by the PWM at the next tick.
     pub duty: PerMotor<Duty<f32>>,
+    /// The core's yes to turning motors: without it, the amplifiers are switched off.
+    pub enable: bool,
+    /// What the first-power check found, in the tick it ends.
+    pub verdict: Option<Verdict>,
     /// How it came to that.
     pub command: Command<f32>,
+    /// The tick, for telemetry.
+    pub frame: Frame,
 }
 
 impl ControlLoop {
-    /// Ready to start where the encoders are, at rest, with the motors off.
-    pub fn new(settings: &Settings<f32>, encoders: PerAxis<Encoder>, drive: Drive<f32>) -> Self {
+    /// Disarmed, or with the last reset's cause latched; no zero yet. `counters` is what the encoders show now.
+    pub fn new(
+        parameters: &Parameters,
+        counters: PerAxis<u32>,
+        drive: Drive<f32>,
+        reset_cause: Option<Condition>,
+    ) -> Self {
+        let encoders = counters.zip(parameters.encoders, |counter, scale| {
+            Encoder::new(CounterWidth::Bits16, scale.angle_per_count, counter, scale.rest_counts)
+        });
         Self {
+            tick: 0,
+            settings: parameters.settings,
+            rest_counts: parameters.encoders.map(|scale| scale.rest_counts),
             encoders,
-            pipeline: Pipeline::new(settings, encoders.map(|e| e.angle())),
+            still: 0,
+            zeroed: false,
+            checked: parameters.checked,
+            pipeline: Pipeline::new(&parameters.settings, encoders.map(|e| e.angle())),
+            fault: false,
+            monitor: Monitor::new(parameters),
+            supervisor: Supervisor::new(reset_cause),
+            check: FirstPowerCheck::new(parameters),
+            verdict: None,
+            approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
             drive,
             latched: PerMotor::zero(),
         }
     }
 
-    /// One tick.
-    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
-        let measured = self.read_encoders(inputs.counters);
-        let applied = self.latched;
-        let command = self.pipeline.tick(measured, applied, &inputs.reference);
-        let duty = self.drive.duty(command.allocation.volts, inputs.supply);
-        self.latched = self.drive.volts(duty, inputs.supply);
-        Outputs { duty, command }
+    /// Other parameters from now on, with the motors off: all starts afresh but the count of ticks.
+    pub fn adopt(&mut self, parameters: &Parameters, counters: PerAxis<u32>, drive: Drive<f32>) {
+        *self = Self { tick: self.tick, ..Self::new(parameters, counters, drive, None) };
     }
 
-    fn read_encoders(&mut self, counters: PerAxis<u32>) -> PerAxis<f32> {
-        PerAxis { pitch: self.encoders.pitch.read(counters.pitch), yaw: self.encoders.yaw.read(counters.yaw) }
+    /// Whether the motors may turn, since the last tick.
+    pub fn state(&self) -> State {
+        self.supervisor.state()
+    }
+
+    /// One tick.
+    #[inline(never)]
+    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        let (measured, moved) = self.read_encoders(inputs.counters);
+        let estimate = self.pipeline.estimate(measured, self.latched);
+        let conditions = self.find_conditions(inputs, &estimate, moved);
+        let estimate = self.supervise(inputs, conditions, measured).unwrap_or(estimate);
+        let reference = self.follow(inputs.wish);
+        let command = self.decide(estimate, reference, measured);
+        let duty = self.drive.duty(command.allocation.volts, inputs.supply);
+        self.latched = self.drive.volts(duty, inputs.supply);
+        self.report(inputs, conditions, command, duty)
+    }
+
+    fn read_encoders(&mut self, counters: PerAxis<u32>) -> (PerAxis<f32>, PerAxis<i32>) {
+        let before = self.encoders.map(|e| e.position());
+        let measured = PerAxis {
+            pitch: self.encoders.pitch.read(counters.pitch),
+            yaw: self.encoders.yaw.read(counters.yaw),
+        };
+        let moved = self.encoders.zip(before, |e, before| e.position().wrapping_sub(before));
+        let lies = moved == PerAxis::both(0);
+        self.still = if lies { self.still.saturating_add(1) } else { 0 };
+        (measured, moved)
+    }
+
+    fn find_conditions(
+        &mut self,
+        inputs: &Inputs,
+        estimate: &Estimate<f32>,
+        moved: PerAxis<i32>,
+    ) -> Conditions {
+        let seen = self.monitor.check(&Seen {
+            moved,
+            estimate,
+            applied: self.latched,
+            supply: inputs.supply,
+            current_limit: inputs.current_limit,
+            fault: self.fault,
+            zeroed: self.zeroed,
+            armed: self.supervisor.state() == State::Armed,
+            heard: inputs.heard,
+        });
+        // A jump means lost counts: where zero was is no longer known.
+        self.zeroed &= !(seen.contains(Condition::PitchJump) || seen.contains(Condition::YawJump));
+        seen.union(inputs.senses)
+            .with(Condition::NotZeroed, !self.zeroed)
+            .with(Condition::NotChecked, !self.checked)
+    }
+
+    /// Moves the supervisor. At a change of state the estimator starts afresh, at arming reference and monitor too; then
+    /// this is the new first estimate.
+    fn supervise(
+        &mut self,
+        inputs: &Inputs,
+        conditions: Conditions,
+        measured: PerAxis<f32>,
+    ) -> Option<Estimate<f32>> {
+        let before = self.supervisor.state();
+        let request = match (self.verdict.take(), inputs.wish) {
+            (Some(_), _) => Some(Request::Disarm),
+            (None, Some(Wish::Request(request))) => Some(request),
+            _ => None,
+        };
+        let now = self.supervisor.step(conditions, request);
+        if now == before {
+            return None;
+        }
+        self.fault = false;
+        self.pipeline = Pipeline::new(&self.settings, measured);
+        match now {
+            State::Armed => {
+                self.monitor.restart();
+                self.approach.begin(measured);
+            }
+            State::Checking => self.check.restart(),
+            _ if before == State::Armed => self.approach.level(),
+            _ => {}
+        }
+        Some(self.pipeline.estimate(measured, self.latched))
+    }
+
+    fn follow(&mut self, wish: Option<Wish>) -> Reference<f32> {
+        match wish {
+            Some(Wish::Setpoint(setpoint)) => self.approach.aim(setpoint),
+            Some(Wish::Zero) if self.still >= STILL_TICKS && !self.supervisor.state().motors_may_turn() => {
+                self.zero();
+            }
+            _ => {}
+        }
+        match self.supervisor.state() {
+            State::Armed => self.approach.step(),
+            _ => self.approach.idle(),
+        }
+    }
+
+    /// Takes where the rig lies for its rest pose.
+    fn zero(&mut self) {
+        self.encoders.pitch.set_position(self.rest_counts.pitch);
+        self.encoders.yaw.set_position(self.rest_counts.yaw);
+        self.pipeline = Pipeline::new(&self.settings, self.encoders.map(|e| e.angle()));
+        self.zeroed = true;
+    }
+
+    /// What the motors are to do: what the law says when armed, what the check says when checking, else nothing.
+    fn decide(
+        &mut self,
+        estimate: Estimate<f32>,
+        reference: Reference<f32>,
+        measured: PerAxis<f32>,
+    ) -> Command<f32> {
+        let mut command = Command::idle(estimate, reference);
+        match self.supervisor.state() {
+            State::Armed => {
+                command = self.pipeline.act(estimate, &reference);
+                self.fault = command.allocation.fault;
+            }
+            State::Checking => {
+                let (volts, verdict) = self.check.step(measured, self.still);
+                command.allocation.volts = volts;
+                self.checked |= verdict == Some(Verdict::Passed);
+                self.verdict = verdict;
+            }
+            State::Disarmed | State::Ready | State::Fault(_) => {}
+        }
+        command
+    }
+
+    fn report(
+        &mut self,
+        inputs: &Inputs,
+        conditions: Conditions,
+        command: Command<f32>,
+        duty: PerMotor<Duty<f32>>,
+    ) -> Outputs {
+        let state = self.supervisor.state();
+        let frame = Frame {
+            tick: self.tick,
+            state,
+            conditions,
+            angle: command.estimate.state.angle,
+            rate: command.estimate.state.rate,
+            reference: command.reference.angle,
+            demand: command.allocation.demand,
+            volts: self.latched,
+            supply: inputs.supply,
+        };
+        self.tick = self.tick.wrapping_add(1);
+        Outputs { duty, enable: state.motors_may_turn(), verdict: self.verdict, command, frame }
     }
 }

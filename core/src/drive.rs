@@ -16,7 +16,7 @@ pub struct Duty<R>(R);
 impl<R: Real> Drive<R> {
     /// With this many compare steps from zero to full voltage.
     pub fn new(full_steps: u32) -> Self {
-        Self { full_steps: R::from_f64(f64::from(full_steps)) }
+        Self { full_steps: R::from_i32(full_steps.cast_signed()) }
     }
 
     /// The duty that comes nearest to `volts` from a supply of `supply` [V]; at most full either way. Zero if

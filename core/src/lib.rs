@@ -65,8 +65,17 @@ pub mod estimator;
 pub mod law;
 pub mod reference;
 
+pub mod approach;
+pub mod first_power;
+pub mod monitor;
+pub mod supervisor;
+pub mod telemetry;
+
 pub mod control_loop;
 pub mod pipeline;
+
+pub mod link;
+pub mod parameters;
 
 /// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in degrees.
 pub const DEGREE: f64 = core::f64::consts::PI / 180.0;

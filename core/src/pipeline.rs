@@ -11,12 +11,13 @@ use crate::plant::{Effectiveness, PlantParameters, RigidBody};
 use crate::real::Real;
 use crate::reference::Reference;
 use crate::validate::{Invalid, positive};
+use serde::{Deserialize, Serialize};
 
 /// What a controller is made from: the user's numbers, before anything is derived from them.
 ///
 /// Everything that the pipeline derives from them is basic arithmetic in `R`, so a board that is given the same numbers
 /// derives the same bits.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings<R> {
     /// \[s\] From tick to tick.
     pub sample_time: R,
@@ -93,6 +94,13 @@ pub struct Command<R: Real> {
     pub allocation: Allocation<R>,
 }
 
+impl<R: Real> Command<R> {
+    /// Motors off.
+    pub fn idle(estimate: Estimate<R>, reference: Reference<R>) -> Self {
+        Self { estimate, reference, torque: PerAxis::zero(), allocation: Allocation::none() }
+    }
+}
+
 impl<R: Real> Pipeline<R> {
     /// Ready to start at `angle` [rad], at rest.
     pub fn new(settings: &Settings<R>, angle: PerAxis<R>) -> Self {
@@ -112,8 +120,14 @@ impl<R: Real> Pipeline<R> {
         applied: PerMotor<R>,
         reference: &Reference<R>,
     ) -> Command<R> {
-        let estimate = self.estimator.update(measured, applied);
+        let estimate = self.estimate(measured, applied);
         self.act(estimate, reference)
+    }
+
+    /// The first half of [`Pipeline::tick`], for a loop that decides in between whether to act at all.
+    #[inline(always)]
+    pub fn estimate(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Estimate<R> {
+        self.estimator.update(measured, applied)
     }
 
     /// One tick in a world where the state is known (ideal fidelity): [`Pipeline::tick`] without its estimator.

@@ -11,7 +11,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Where to be, and how that changes: x_d, ẋ_d, ẍ_d of eqs (26)-(27).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Reference<R> {
     /// \[rad\] θ_d, ψ_d.
     pub angle: PerAxis<R>,

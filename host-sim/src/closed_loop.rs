@@ -5,15 +5,19 @@
 //! bits.
 
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
 use twinrotor::drive::Drive;
-use twinrotor::encoder::{CounterWidth, Encoder, angle_per_count};
+use twinrotor::encoder::angle_per_count;
 use twinrotor::estimator::Estimate;
+use twinrotor::first_power::STILL_TICKS;
+use twinrotor::monitor::SUPPLY_TICKS;
+use twinrotor::parameters::{EncoderScale, Limits, Parameters};
 use twinrotor::pipeline::{Command, Pipeline, Settings};
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::supervisor::{Conditions, Request, State as ArmState};
 
 /// What happened in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -177,34 +181,57 @@ pub struct BoardLoop {
 }
 
 impl BoardLoop {
-    /// As [`RigLoop::new`].
+    /// As [`RigLoop::new`]: zeroed where it stands, and to be armed by the first tick. Its envelope is as wide as it goes, and
+    /// its reference jumps to the first setpoint instead of approaching it.
     pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
         let encoders = Encoders::<f32>::new(hardware);
-        let counts = encoders.counts(plant.state().angle);
-        let fitted = PerAxis {
-            pitch: Self::encoder(hardware.encoder_counts.pitch, counts.pitch),
-            yaw: Self::encoder(hardware.encoder_counts.yaw, counts.yaw),
+        let counts = encoders.counts(plant.state().angle).map(whole);
+        let supply = f32::from_f64(hardware.supply);
+        let parameters = Parameters {
+            settings: *settings,
+            encoders: hardware.encoder_counts.zip(counts, |counts_per_turn, rest_counts| EncoderScale {
+                angle_per_count: angle_per_count(counts_per_turn),
+                rest_counts,
+            }),
+            limits: Limits {
+                pitch: core::f32::consts::FRAC_PI_2,
+                rate: PerAxis::both(1e3),
+                supply_low: 0.5 * supply,
+                supply_high: 2.0 * supply,
+                command_timeout: 60_000,
+                approach_rate: 1e9,
+                check_volts: settings.volts_limit,
+            },
+            checked: true,
         };
         let drive = Drive::new(hardware.pwm_steps);
-        Self {
-            plant,
-            encoders,
-            control: ControlLoop::new(settings, fitted, drive),
-            drive,
-            supply: f32::from_f64(hardware.supply),
-            latched: PerMotor::zero(),
+        let control = ControlLoop::new(&parameters, counters(counts), drive, None);
+        let mut board = Self { plant, encoders, control, drive, supply, latched: PerMotor::zero() };
+        for _ in 0..STILL_TICKS.max(SUPPLY_TICKS) {
+            board.step(None);
         }
+        board.step(Some(Wish::Zero));
+        board.step(None);
+        board
     }
 
-    fn encoder(counts_per_turn: u32, position: f32) -> Encoder {
-        let position = whole(position);
-        Encoder::new(
-            CounterWidth::Bits16,
-            angle_per_count(counts_per_turn),
-            position.cast_unsigned(),
-            position,
-        )
+    /// The board's tick; the plant stands still.
+    fn step(&mut self, wish: Option<Wish>) -> twinrotor::control_loop::Outputs {
+        let counts = self.encoders.counts(self.plant.state().angle).map(whole);
+        self.control.tick(&Inputs {
+            counters: counters(counts),
+            supply: self.supply,
+            current_limit: false,
+            senses: Conditions::NONE,
+            heard: true,
+            wish,
+        })
     }
+}
+
+/// What 16-bit counters show.
+fn counters(counts: PerAxis<i32>) -> PerAxis<u32> {
+    counts.map(|count| count.cast_unsigned() & 0xFFFF)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
@@ -215,8 +242,12 @@ fn whole(counts: f32) -> i32 {
 impl ClosedLoop<f32> for BoardLoop {
     fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
         let state = self.plant.state();
-        let counters = self.encoders.counts(state.angle).map(|c| whole(c).cast_unsigned() & 0xFFFF);
-        let outputs = self.control.tick(&Inputs { counters, supply: self.supply, reference: *reference });
+        let mut setpoint = Some(Wish::Setpoint(*reference));
+        if self.control.state() == ArmState::Ready {
+            self.step(setpoint.take());
+            setpoint = Some(Wish::Request(Request::Arm));
+        }
+        let outputs = self.step(setpoint);
         let applied = self.latched;
         self.latched = self.drive.volts(outputs.duty, self.supply);
         self.plant.advance(applied, disturbance);

@@ -97,6 +97,17 @@ impl GainsFile {
         Ok(file)
     }
 
+    /// Refuses another controller than the one named, if one is.
+    pub fn require(&self, controller: Option<Controller>) -> Outcome<()> {
+        match controller {
+            Some(wanted) if wanted != self.controller => Err(Failure::Input(format!(
+                "--controller is {wanted:?}, but the gains are of {:?}",
+                self.controller
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// The gains alone.
     pub fn gains(&self) -> Gains<f64> {
         Gains::new(self.pitch, self.yaw)

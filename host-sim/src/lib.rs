@@ -10,8 +10,10 @@
     )
 )]
 
+pub mod cli;
 pub mod closed_loop;
 pub mod error;
+pub mod figures;
 pub mod flight;
 pub mod gains_file;
 pub mod lanes;
@@ -19,5 +21,7 @@ pub mod metrics;
 pub mod objective;
 pub mod optimise;
 pub mod output;
+pub mod plot;
 pub mod rig;
 pub mod scenario;
+pub mod tuner;

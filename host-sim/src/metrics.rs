@@ -74,21 +74,66 @@ pub struct Step {
     pub to: f64,
 }
 
+/// Settling bands, as parts of the step.
+const BANDS: [f64; 2] = [0.02, 0.05];
+
+/// When an error was last outside a band, to a part of a tick: between the last tick outside and the next one the error is taken to
+/// be straight.
+#[derive(Debug, Clone, Copy)]
+struct Settling<R> {
+    band: R,
+    /// \[ticks\] The last tick outside; -1 for none.
+    last: R,
+    /// The error then, and a tick later.
+    error: [R; 2],
+    was_outside: R,
+}
+
+impl<R: Real> Settling<R> {
+    fn new(band: R) -> Self {
+        Self { band, last: R::from_f64(-1.0), error: [R::zero(); 2], was_outside: R::zero() }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, tick: R, error: R) {
+        let outside = self.band.lt(error);
+        let entering = !outside & R::zero().lt(self.was_outside);
+        self.last = R::select(outside, tick, self.last);
+        self.error[0] = R::select(outside, error, self.error[0]);
+        self.error[1] = R::select(entering, error, self.error[1]);
+        self.was_outside = R::select(outside, R::one(), R::zero());
+    }
+
+    /// \[ticks\] When the error came in for good, if it was inside at tick `last`.
+    fn time(&self, lane: usize, last: u32) -> Option<f64> {
+        let of = |x: R| -> f64 { x.lane(lane).into() };
+        let outside = of(self.last);
+        if outside < 0.0 {
+            return Some(0.0);
+        }
+        let [before, after] = self.error.map(of);
+        (outside < f64::from(last)).then(|| outside + (before - of(self.band)) / (before - after))
+    }
+}
+
 /// Settling and overshoot of one axis.
 #[derive(Debug, Clone, Copy)]
 struct Response<R> {
     step: Option<Step>,
-    last_outside: [R; 2],
+    settling: [Settling<R>; 2],
     overshoot: R,
     final_error: R,
 }
 
-/// Settling bands, as parts of the step.
-const BANDS: [f64; 2] = [0.02, 0.05];
-
 impl<R: Real> Response<R> {
     fn new(step: Option<Step>) -> Self {
-        Self { step, last_outside: [R::from_f64(-1.0); 2], overshoot: R::zero(), final_error: R::zero() }
+        let size = step.map_or(0.0, |s| (s.to - s.from).abs());
+        Self {
+            step,
+            settling: BANDS.map(|band| Settling::new(R::from_f64(band * size))),
+            overshoot: R::zero(),
+            final_error: R::zero(),
+        }
     }
 
     #[inline(always)]
@@ -98,27 +143,27 @@ impl<R: Real> Response<R> {
         if tick < step.tick {
             return;
         }
-        let size = step.to - step.from;
         let now = R::from_f64(f64::from(tick - step.tick));
-        for (last, band) in self.last_outside.iter_mut().zip(BANDS) {
-            let outside = R::from_f64(band * size.abs()).lt(error.abs());
-            *last = R::select(outside, now, *last);
+        let magnitude = error.abs();
+        for settling in &mut self.settling {
+            settling.add(now, magnitude);
         }
-        self.overshoot = self.overshoot.max(-error * R::from_f64(size.signum()));
+        let beyond = -error * R::from_f64((step.to - step.from).signum());
+        self.overshoot = self.overshoot.max(beyond);
     }
 
     fn report(&self, lane: usize, last: u32, sample_time: f64, integrals: [f64; 3]) -> AxisReport {
         let settled = |band: usize| {
-            let step = self.step?;
-            let outside: f64 = self.last_outside[band].lane(lane).into();
-            (outside < f64::from(last - step.tick)).then_some(outside.max(0.0) * sample_time)
+            let ticks = self.settling[band].time(lane, last - self.step?.tick)?;
+            Some(ticks * sample_time)
         };
         let overshoot: f64 = self.overshoot.lane(lane).into();
         let final_error: f64 = self.final_error.lane(lane).into();
         AxisReport {
             settling_time_2: settled(0),
             settling_time_5: settled(1),
-            overshoot_percent: self.step.map(|s| 100.0 * overshoot / (s.to - s.from).abs()),
+            // Adding zero makes a negative zero positive.
+            overshoot_percent: self.step.map(|s| 100.0 * overshoot / (s.to - s.from).abs() + 0.0),
             final_error_deg: final_error.to_degrees(),
             ise: integrals[0],
             iae: integrals[1],
@@ -229,7 +274,7 @@ impl Report {
 /// One axis in numbers. What needs a step in the reference is `None` without one, or when it never settles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AxisReport {
-    /// \[s\] After the last step, when the error was last beyond 2 % of the step.
+    /// \[s\] From the last step to when the error was last beyond 2 % of it.
     pub settling_time_2: Option<f64>,
     /// \[s\] The same at 5 %.
     pub settling_time_5: Option<f64>,

@@ -41,7 +41,7 @@ pub struct Steps {
 
 /// A cost must exceed its bound by this part before a flight is broken off. A compensated sum of terms that are not negative can sink
 /// by a few units in its last place, 1e-7 of it, and not more.
-const SURELY: f64 = 1.0 + 1e-5;
+const SURELY: f64 = 1.0 + 1e-6;
 /// \[ticks\] From one look at the sums to the next.
 const LOOK_EVERY: u32 = 64;
 

@@ -2,7 +2,7 @@
 
 mod filtered_derivative;
 
-pub use filtered_derivative::FilteredDerivative;
+pub use filtered_derivative::{FilteredDerivative, bilinear_decay};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::State;

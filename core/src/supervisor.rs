@@ -1,0 +1,456 @@
+//! Step 3 of the tick: may the motors turn? Conditions -> [`State`], by one table.
+//!
+//! - A [`Condition`] is one named thing that is wrong now. [`crate::monitor`] detects them, with the
+//!   rule and the time written there; the firmware adds those that only a board can see.
+//! - While motors are off, every present condition is a *reason* not to arm, and the list of them
+//!   goes out with the telemetry. Reasons come and go by themselves.
+//! - While motors turn, a present *hazard* latches [`State::Fault`] with its name in the same tick.
+//!   A fault stays until an explicit [`Request::ClearFault`] that arrives when no hazard is left.
+//!
+//! Each tick sees exactly one [`Event`], the first that applies in the order of their declaration,
+//! and [`TRANSITIONS`] says the rest.
+
+use serde::{Deserialize, Serialize};
+
+/// What can be wrong, by name. The number is the bit in [`Conditions`] and the number on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Condition {
+    /// The emergency stop is pressed or its cable is broken.
+    EmergencyStop,
+    /// The amplifier reports its current limit or a fault of its own.
+    CurrentLimit,
+    /// The supply is below or above the range of [`crate::parameters::Limits`].
+    SupplyRange,
+    /// The supply was not measured anew, or an encoder timer does not count.
+    SensorStale,
+    /// Pitch moved further in one tick than the rig can.
+    PitchJump,
+    /// Yaw moved further in one tick than the rig can.
+    YawJump,
+    /// The pitch encoder does not show the motion that the voltages must cause: stuck or sign-swapped.
+    PitchMotion,
+    /// The yaw encoder does not show the motion that the voltages must cause: stuck or sign-swapped.
+    YawMotion,
+    /// An angle is outside the envelope.
+    AngleEnvelope,
+    /// A rate is outside the envelope.
+    RateEnvelope,
+    /// A NaN or an infinity turned up in estimate, reference or torque.
+    NonFinite,
+    /// A tick did not end before the next one was due, or one was left out.
+    TickOverrun,
+    /// Armed, and the host has been silent for too long.
+    CommandTimeout,
+    /// The stack has come close to its end.
+    StackGuard,
+    /// The stored parameters are of another version, damaged, or outside their range.
+    ParametersInvalid,
+    /// Nothing is stored: the built-in defaults are in force.
+    ParametersMissing,
+    /// The parameters are being written.
+    Saving,
+    /// The encoders have no zero yet.
+    NotZeroed,
+    /// The first-power check has not been passed.
+    NotChecked,
+    /// The watchdog ended a stalled loop before this boot.
+    ResetByWatchdog,
+    /// A panic ended the firmware before this boot.
+    ResetByPanic,
+    /// A fault exception ended the firmware before this boot.
+    ResetByFault,
+    /// The stack overflowed before this boot.
+    ResetByStackOverflow,
+    /// The board's own supply broke down before this boot.
+    ResetByBrownOut,
+}
+
+impl Condition {
+    /// Every condition, in the order of its bit.
+    pub const ALL: [Self; 24] = [
+        Self::EmergencyStop,
+        Self::CurrentLimit,
+        Self::SupplyRange,
+        Self::SensorStale,
+        Self::PitchJump,
+        Self::YawJump,
+        Self::PitchMotion,
+        Self::YawMotion,
+        Self::AngleEnvelope,
+        Self::RateEnvelope,
+        Self::NonFinite,
+        Self::TickOverrun,
+        Self::CommandTimeout,
+        Self::StackGuard,
+        Self::ParametersInvalid,
+        Self::ParametersMissing,
+        Self::Saving,
+        Self::NotZeroed,
+        Self::NotChecked,
+        Self::ResetByWatchdog,
+        Self::ResetByPanic,
+        Self::ResetByFault,
+        Self::ResetByStackOverflow,
+        Self::ResetByBrownOut,
+    ];
+
+    const fn bit(self) -> u32 {
+        1_u32.wrapping_shl(self as u32)
+    }
+}
+
+/// A set of conditions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Conditions(u32);
+
+impl Conditions {
+    /// Nothing is wrong.
+    pub const NONE: Self = Self(0);
+
+    /// What stops turning motors at once. The rest only prevents arming.
+    pub const HAZARDS: Self = Self::of(&[
+        Condition::EmergencyStop,
+        Condition::CurrentLimit,
+        Condition::SupplyRange,
+        Condition::SensorStale,
+        Condition::PitchJump,
+        Condition::YawJump,
+        Condition::PitchMotion,
+        Condition::YawMotion,
+        Condition::AngleEnvelope,
+        Condition::RateEnvelope,
+        Condition::NonFinite,
+        Condition::TickOverrun,
+        Condition::CommandTimeout,
+        Condition::StackGuard,
+        Condition::ParametersInvalid,
+        Condition::Saving,
+    ]);
+
+    /// The set of these conditions.
+    #[must_use]
+    pub const fn of(list: &[Condition]) -> Self {
+        let mut bits = 0;
+        let mut rest = list;
+        while let [first, tail @ ..] = rest {
+            bits |= first.bit();
+            rest = tail;
+        }
+        Self(bits)
+    }
+
+    /// This set with `condition` in it if `present`.
+    #[must_use]
+    pub const fn with(self, condition: Condition, present: bool) -> Self {
+        if present { Self(self.0 | condition.bit()) } else { self }
+    }
+
+    /// What is in either set.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// What is in both sets.
+    #[must_use]
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// Whether the set is empty.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether `condition` is in the set.
+    #[must_use]
+    pub const fn contains(self, condition: Condition) -> bool {
+        self.0 & condition.bit() != 0
+    }
+
+    /// The conditions of the set, in the order of their bits.
+    pub fn iter(self) -> impl Iterator<Item = Condition> {
+        Condition::ALL.into_iter().filter(move |&condition| self.contains(condition))
+    }
+
+    /// The first condition of the set: the name that a fault latches.
+    #[must_use]
+    pub fn first(self) -> Option<Condition> {
+        Condition::ALL.get(self.0.trailing_zeros() as usize).copied()
+    }
+}
+
+/// Whether the motors may turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// Motors off; at least one reason prevents arming.
+    #[default]
+    Disarmed,
+    /// Motors off; nothing prevents arming.
+    Ready,
+    /// The first-power check turns one motor at a low voltage. Left for `Disarmed` only.
+    Checking,
+    /// The control law turns the motors.
+    Armed,
+    /// Motors off until the fault is cleared; the cause is the hazard that was found first.
+    Fault(Condition),
+}
+
+impl State {
+    /// The core's own yes to turning motors; the enable pin is the other one.
+    #[must_use]
+    pub const fn motors_may_turn(self) -> bool {
+        matches!(self, Self::Armed | Self::Checking)
+    }
+
+    const fn row(self) -> usize {
+        match self {
+            Self::Disarmed => 0,
+            Self::Ready => 1,
+            Self::Checking => 2,
+            Self::Armed => 3,
+            Self::Fault(_) => 4,
+        }
+    }
+}
+
+/// What the operator asks of the supervisor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Request {
+    /// Let the law turn the motors.
+    Arm,
+    /// Motors off.
+    Disarm,
+    /// Forget the latched fault.
+    ClearFault,
+    /// Start the first-power check.
+    Check,
+}
+
+/// What a tick brings, first the one that goes before all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Event {
+    /// A hazard is present.
+    Hazard,
+    /// The operator disarms, or the check has ended.
+    Disarm,
+    /// The operator clears the fault.
+    ClearFault,
+    /// The operator starts the first-power check.
+    Check,
+    /// Something prevents arming.
+    Blocked,
+    /// The operator arms.
+    Arm,
+    /// Nothing prevents arming.
+    Free,
+}
+
+/// Where an event leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Nothing changes.
+    Stay,
+    /// To this state.
+    To(State),
+    /// To `Fault` with the first hazard's name.
+    Latch,
+}
+
+use Next::{Latch, Stay, To};
+use State::{Armed, Checking, Disarmed, Ready};
+
+/// Every transition there is: a row for each state, a column for each event.
+#[rustfmt::skip]
+pub const TRANSITIONS: [[Next; 7]; 5] = [
+    //              Hazard        Disarm        ClearFault    Check         Blocked       Arm        Free
+    /* Disarmed */ [Stay,         Stay,         Stay,         To(Checking), Stay,         Stay,      To(Ready)],
+    /* Ready    */ [To(Disarmed), To(Disarmed), To(Disarmed), To(Checking), To(Disarmed), To(Armed), Stay],
+    /* Checking */ [Latch,        To(Disarmed), Stay,         Stay,         Stay,         Stay,      Stay],
+    /* Armed    */ [Latch,        To(Disarmed), Stay,         Stay,         Stay,         Stay,      Stay],
+    /* Fault    */ [Stay,         Stay,         To(Disarmed), Stay,         Stay,         Stay,      Stay],
+];
+
+/// The state and its table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Supervisor {
+    state: State,
+}
+
+impl Supervisor {
+    /// Starts disarmed, or with the last reset's cause latched when that was no ordinary one.
+    #[must_use]
+    pub const fn new(reset_cause: Option<Condition>) -> Self {
+        match reset_cause {
+            None => Self { state: State::Disarmed },
+            Some(cause) => Self { state: State::Fault(cause) },
+        }
+    }
+
+    /// The state after the last step.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// One tick: `present` is all that is wrong now, `request` what the operator asks.
+    pub fn step(&mut self, present: Conditions, request: Option<Request>) -> State {
+        let hazards = present.intersection(Conditions::HAZARDS);
+        let event = event(hazards, present, request);
+        self.state = match (
+            TRANSITIONS.get(self.state.row()).and_then(|row| row.get(event as usize)),
+            hazards.first(),
+        ) {
+            (Some(To(next)), _) => *next,
+            (Some(Latch), Some(cause)) => State::Fault(cause),
+            _ => self.state,
+        };
+        self.state
+    }
+}
+
+/// The first event that applies.
+fn event(hazards: Conditions, present: Conditions, request: Option<Request>) -> Event {
+    match request {
+        _ if !hazards.is_empty() => Event::Hazard,
+        Some(Request::Disarm) => Event::Disarm,
+        Some(Request::ClearFault) => Event::ClearFault,
+        Some(Request::Check) => Event::Check,
+        _ if !present.is_empty() => Event::Blocked,
+        Some(Request::Arm) => Event::Arm,
+        None => Event::Free,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    const STATES: [State; 5] =
+        [State::Disarmed, State::Ready, State::Checking, State::Armed, State::Fault(Condition::NonFinite)];
+    const REQUESTS: [Option<Request>; 5] =
+        [None, Some(Request::Arm), Some(Request::Disarm), Some(Request::ClearFault), Some(Request::Check)];
+
+    /// Every state with every request under no condition, and under each single one: 5 x 5 x 25 cases.
+    fn every_case() -> impl Iterator<Item = (State, Option<Request>, Conditions, State)> {
+        let sets: Vec<Conditions> = core::iter::once(Conditions::NONE)
+            .chain(Condition::ALL.map(|condition| Conditions::of(&[condition])))
+            .collect();
+        STATES.into_iter().flat_map(move |state| {
+            let sets = sets.clone();
+            REQUESTS.into_iter().flat_map(move |request| {
+                let sets = sets.clone();
+                sets.into_iter().map(move |present| {
+                    let mut supervisor = Supervisor { state };
+                    (state, request, present, supervisor.step(present, request))
+                })
+            })
+        })
+    }
+
+    #[test]
+    fn each_condition_has_its_own_bit_and_comes_back_by_it() {
+        for (bit, condition) in Condition::ALL.into_iter().enumerate() {
+            assert_eq!(condition as usize, bit);
+            assert_eq!(Conditions::of(&[condition]).iter().collect::<Vec<_>>(), [condition]);
+        }
+    }
+
+    #[test]
+    fn only_arm_in_ready_with_nothing_wrong_leads_to_armed() {
+        for (from, request, present, to) in every_case() {
+            if to == State::Armed && from != State::Armed {
+                assert_eq!((from, request, present), (State::Ready, Some(Request::Arm), Conditions::NONE));
+            }
+        }
+    }
+
+    #[test]
+    fn a_hazard_stops_turning_motors_in_the_same_tick_and_is_named() {
+        for (from, _, present, to) in every_case() {
+            let hazard = present.intersection(Conditions::HAZARDS).first();
+            if let (true, Some(cause)) = (from.motors_may_turn(), hazard) {
+                assert_eq!(to, State::Fault(cause));
+            }
+            if hazard.is_some() {
+                assert!(!to.motors_may_turn());
+            }
+        }
+    }
+
+    #[test]
+    fn a_fault_stays_until_it_is_cleared_with_no_hazard_left() {
+        for (from, request, present, to) in every_case() {
+            let safe = present.intersection(Conditions::HAZARDS).is_empty();
+            if let State::Fault(_) = from {
+                let cleared = request == Some(Request::ClearFault) && safe;
+                assert_eq!(to, if cleared { State::Disarmed } else { from });
+            }
+        }
+    }
+
+    #[test]
+    fn disarm_always_ends_turning_motors() {
+        for (_, request, _, to) in every_case() {
+            assert!(request != Some(Request::Disarm) || !to.motors_may_turn());
+        }
+    }
+
+    #[test]
+    fn ready_means_that_nothing_prevents_arming() {
+        for (from, request, present, to) in every_case() {
+            if to == State::Ready {
+                assert_eq!(present, Conditions::NONE);
+                assert!(from == State::Ready || (from == State::Disarmed && request.is_none()));
+            }
+        }
+    }
+
+    #[test]
+    fn the_check_starts_without_zero_and_parameters_but_not_with_a_hazard() {
+        for (from, request, present, to) in every_case() {
+            if request == Some(Request::Check) && matches!(from, State::Disarmed | State::Ready) {
+                let safe = present.intersection(Conditions::HAZARDS).is_empty();
+                assert_eq!(to == State::Checking, safe);
+            }
+        }
+    }
+
+    #[test]
+    fn a_reset_that_should_not_have_been_is_a_fault_from_the_start() {
+        let mut supervisor = Supervisor::new(Some(Condition::ResetByWatchdog));
+        assert_eq!(
+            supervisor.step(Conditions::NONE, Some(Request::Arm)),
+            State::Fault(Condition::ResetByWatchdog)
+        );
+        assert_eq!(supervisor.step(Conditions::NONE, Some(Request::ClearFault)), State::Disarmed);
+        assert_eq!(Supervisor::new(None).state(), State::Disarmed);
+    }
+
+    /// Within any fifty random ticks: armed only ever from ready, and never in a tick with a hazard.
+    #[test]
+    fn long_random_runs_keep_the_rules() {
+        let mut seed = 1_u32;
+        let mut supervisor = Supervisor::new(None);
+        let mut armed = 0;
+        for _ in 0..200_000 {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let present = match seed >> 28 {
+                0 => Conditions(1 << ((seed >> 20) % 24)),
+                _ => Conditions::NONE,
+            };
+            let before = supervisor.state();
+            let after = supervisor.step(present, REQUESTS[(seed >> 16) as usize % 5]);
+            if after == State::Armed {
+                armed += 1;
+                assert!(matches!(before, State::Ready | State::Armed));
+                assert!(present.intersection(Conditions::HAZARDS).is_empty());
+            }
+        }
+        assert!(armed > 1_000, "the walk reaches every state: {armed}");
+    }
+}

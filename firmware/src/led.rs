@@ -1,0 +1,31 @@
+//! The status LED: one slow blink, disarmed; steady, ready; quick, motors may turn; two flashes, fault.
+
+use crate::shared::LED_PATTERN;
+use core::sync::atomic::Ordering;
+use embassy_stm32::gpio::{Level, Output};
+use embassy_time::{Duration, Ticker};
+use twinrotor::supervisor::State;
+
+/// [ms] One bit of a pattern; a pattern is eight.
+const BIT_MS: u64 = 125;
+
+/// The pattern for a state, a bit at a time from the lowest.
+pub(crate) const fn pattern(state: State) -> u8 {
+    match state {
+        State::Disarmed => 0b0000_1111,
+        State::Ready => 0b1111_1111,
+        State::Checking | State::Armed => 0b0101_0101,
+        State::Fault(_) => 0b0000_0101,
+    }
+}
+
+/// Shows it for ever.
+#[embassy_executor::task]
+pub(crate) async fn show(mut led: Output<'static>) {
+    let mut ticker = Ticker::every(Duration::from_millis(BIT_MS));
+    for bit in (0..8).cycle() {
+        let on = LED_PATTERN.load(Ordering::Relaxed) >> bit & 1 == 1;
+        led.set_level(if on { Level::High } else { Level::Low });
+        ticker.next().await;
+    }
+}

@@ -1,0 +1,57 @@
+//! Twinrotor on an STM32F4: the 1 kHz tick, and everything that must not delay it.
+//!
+//! The tick is an interrupt of the highest priority, raised by the timer that also makes the PWM ([`tick`]). It alone drives
+//! the motors, through [`port`]. All else is in the thread: the serial link ([`serial`]), the parameters in flash
+//! ([`storage`]), the status LED. The two share lock-free queues and atomics ([`shared`]), and no critical section of the
+//! thread masks the tick ([`critical`]).
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod critical;
+#[cfg(target_os = "none")]
+mod last_words;
+#[cfg(target_os = "none")]
+mod led;
+#[cfg(target_os = "none")]
+mod port;
+#[cfg(target_os = "none")]
+mod serial;
+#[cfg(target_os = "none")]
+mod shared;
+#[cfg(target_os = "none")]
+mod stack;
+#[cfg(target_os = "none")]
+mod storage;
+#[cfg(target_os = "none")]
+mod tick;
+#[cfg(target_os = "none")]
+mod watchdog;
+
+#[cfg(target_os = "none")]
+use defmt_rtt as _;
+
+#[cfg(target_os = "none")]
+#[embassy_executor::main]
+async fn main(spawner: embassy_executor::Spawner) {
+    critical::lower_all_interrupts();
+    stack::guard();
+    let reset = last_words::read_and_clear();
+    let board = board::start();
+    last_words::listen_to_supply();
+    let (storage, parameters, provenance) = storage::Storage::load(board.flash);
+    let (reports, orders) =
+        tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
+    defmt::info!("{}: reset reported {}, {}", board::CHIP, reset.is_some(), provenance.name());
+    serial::start(spawner, board.serial, storage, parameters, reset, reports, orders);
+    spawner.spawn(led::show(board.led).expect("spawned once"));
+}
+
+/// The host has no helicopter: `cargo fw` builds for the board.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("This program runs on the board: build it with `cargo fw`, flash it with `cargo fw-run`.");
+    std::process::exit(2);
+}

@@ -1,0 +1,192 @@
+//! The serial link: commands in, answers and telemetry out, both by DMA, never in the way of a tick.
+
+use crate::board::CHIP;
+use crate::shared::{
+    FRAME_EVERY, FRAMES_DROPPED, HEARD, Maintenance, Order, Orders, Report, Reports, TICK_CYCLES_MAX,
+};
+use crate::stack;
+use crate::storage::Storage;
+use core::sync::atomic::{AtomicU32, Ordering};
+use embassy_executor::Spawner;
+use embassy_stm32::mode::Async;
+use embassy_stm32::usart::{RingBufferedUartRx, Uart, UartTx};
+use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::channel::Channel;
+use embassy_time::{Duration, Instant, Ticker, Timer};
+use static_cell::StaticCell;
+use twinrotor::link::{
+    self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
+};
+use twinrotor::parameters::Parameters;
+
+/// Answers on their way out.
+static ANSWERS: Channel<ThreadModeRawMutex, ToHost, 2> = Channel::new();
+/// Messages that were none.
+static REJECTED: AtomicU32 = AtomicU32::new(0);
+
+/// Spawns both directions.
+pub(crate) fn start(
+    spawner: Spawner,
+    uart: Uart<'static, Async>,
+    storage: Storage,
+    parameters: Parameters,
+    reset: Option<ResetReport>,
+    reports: Reports,
+    orders: Orders,
+) {
+    static DMA_BUFFER: StaticCell<[u8; 512]> = StaticCell::new();
+    let (sender, receiver) = uart.split();
+    let receiver = receiver.into_ring_buffered(DMA_BUFFER.init([0; 512]));
+    let operator = Operator { storage, parameters, reset, orders };
+    spawner.spawn(receive(receiver, operator).expect("spawned once"));
+    spawner.spawn(send(sender, reports).expect("spawned once"));
+}
+
+/// Takes messages as they come.
+#[embassy_executor::task]
+async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) {
+    static DECODER: StaticCell<Decoder> = StaticCell::new();
+    let decoder = DECODER.init(Decoder::new());
+    let mut bytes = [0; 64];
+    ANSWERS.send(operator.identity()).await;
+    loop {
+        // Noise on the line, or more than we can take: what is lost fails its CRC.
+        let Ok(count) = uart.read(&mut bytes).await else { continue };
+        for &byte in bytes.iter().take(count) {
+            match decoder.push(byte) {
+                None => {}
+                Some(Ok(message)) => {
+                    HEARD.store(true, Ordering::Relaxed);
+                    if let Some(answer) = operator.deal_with(message).await {
+                        ANSWERS.send(answer).await;
+                    }
+                }
+                Some(Err(LinkError::Damaged | LinkError::TooLong | LinkError::Version { .. })) => {
+                    REJECTED.fetch_add(1, Ordering::Relaxed);
+                }
+            }
+        }
+    }
+}
+
+/// Sends answers first, then what the tick reports, once a second how the board is.
+#[embassy_executor::task]
+async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
+    static BUFFER: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
+    let buffer = BUFFER.init([0; MAX_FRAME]);
+    let mut ticker = Ticker::every(Duration::from_millis(1));
+    let mut next_health = Instant::now();
+    loop {
+        let message = match (ANSWERS.try_receive(), reports.dequeue()) {
+            (Ok(answer), None) => answer,
+            (Ok(answer), Some(report)) => {
+                transmit(&mut uart, &answer, buffer).await;
+                report.into_message()
+            }
+            (Err(_), Some(report)) => report.into_message(),
+            (Err(_), None) if Instant::now() >= next_health => {
+                next_health += Duration::from_secs(1);
+                ToHost::Health(health())
+            }
+            (Err(_), None) => {
+                ticker.next().await;
+                continue;
+            }
+        };
+        transmit(&mut uart, &message, buffer).await;
+    }
+}
+
+async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &mut [u8; MAX_FRAME]) {
+    if let Ok(frame) = link::encode(message, buffer) {
+        // The only error is one of reception.
+        let _ = uart.write(frame).await;
+    }
+}
+
+impl Report {
+    fn into_message(self) -> ToHost {
+        match self {
+            Self::Frame(frame) => ToHost::Frame(frame),
+            Self::Verdict(verdict) => ToHost::Verdict(verdict),
+        }
+    }
+}
+
+fn health() -> Health {
+    let (stack_used, stack_size) = stack::high_water();
+    Health {
+        frames_dropped: FRAMES_DROPPED.load(Ordering::Relaxed),
+        messages_rejected: REJECTED.load(Ordering::Relaxed),
+        tick_cycles_max: TICK_CYCLES_MAX.load(Ordering::Relaxed),
+        stack_used,
+        stack_size,
+    }
+}
+
+/// Who does what the messages ask.
+struct Operator {
+    storage: Storage,
+    parameters: Parameters,
+    reset: Option<ResetReport>,
+    orders: Orders,
+}
+
+impl Operator {
+    async fn deal_with(&mut self, message: ToBoard) -> Option<ToHost> {
+        match message {
+            ToBoard::Alive => None,
+            ToBoard::Identify => Some(self.identity()),
+            ToBoard::Control(wish) => {
+                let full = self.orders.enqueue(Order::Wish(wish)).is_err();
+                full.then_some(ToHost::Refused(Refusal::Busy))
+            }
+            ToBoard::Telemetry { every } => {
+                FRAME_EVERY.store(every.clamp(1, 1000), Ordering::Relaxed);
+                None
+            }
+            ToBoard::ReadParameters => Some(ToHost::Parameters(self.parameters)),
+            ToBoard::WriteParameters(parameters) => Some(match self.keep(parameters).await {
+                Ok(()) => ToHost::Saved,
+                Err(refusal) => ToHost::Refused(refusal),
+            }),
+        }
+    }
+
+    /// Parameters to flash, then to the tick, with the motors held off all the while.
+    async fn keep(&mut self, parameters: Parameters) -> Result<(), Refusal> {
+        parameters.validate()?;
+        Maintenance::Wanted.set();
+        while Maintenance::get() == Maintenance::Wanted {
+            Timer::after_micros(500).await;
+        }
+        let saved = if Maintenance::get() == Maintenance::Granted {
+            self.save(parameters).await
+        } else {
+            Err(Refusal::MotorsMayTurn)
+        };
+        Maintenance::None.set();
+        saved
+    }
+
+    async fn save(&mut self, parameters: Parameters) -> Result<(), Refusal> {
+        self.storage.save(&parameters)?;
+        self.parameters = parameters;
+        while self.orders.enqueue(Order::Adopt(parameters)).is_err() {
+            Timer::after_millis(1).await;
+        }
+        while !self.orders.is_empty() {
+            Timer::after_millis(1).await;
+        }
+        Ok(())
+    }
+
+    fn identity(&self) -> ToHost {
+        ToHost::Identity(Identity {
+            firmware: link::text(env!("CARGO_PKG_VERSION")),
+            chip: link::text(CHIP),
+            parameters: twinrotor::parameters::VERSION,
+            reset: self.reset,
+        })
+    }
+}

@@ -1,0 +1,75 @@
+//! What the tick and the thread tell each other, without a lock.
+
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
+use heapless::spsc::{Consumer, Producer};
+use twinrotor::control_loop::Wish;
+use twinrotor::first_power::Verdict;
+use twinrotor::parameters::Parameters;
+use twinrotor::telemetry::Frame;
+
+/// From the tick to the thread.
+pub(crate) enum Report {
+    Frame(Frame),
+    Verdict(Verdict),
+}
+
+/// From the thread to the tick.
+pub(crate) enum Order {
+    Wish(Wish),
+    /// These parameters from now on; only sent while [`Maintenance::Granted`].
+    Adopt(Parameters),
+}
+
+/// Room for 80 ms of telemetry at 200 frames a second.
+pub(crate) const REPORTS: usize = 16;
+pub(crate) const ORDERS: usize = 4;
+pub(crate) type Reports = Consumer<'static, Report>;
+pub(crate) type Orders = Producer<'static, Order>;
+
+/// Something came over the link since the last tick.
+pub(crate) static HEARD: AtomicBool = AtomicBool::new(false);
+/// \[ticks\] From one frame of telemetry to the next.
+pub(crate) static FRAME_EVERY: AtomicU16 = AtomicU16::new(5);
+/// Frames that found the queue full.
+pub(crate) static FRAMES_DROPPED: AtomicU32 = AtomicU32::new(0);
+/// \[cycles\] Longest tick.
+pub(crate) static TICK_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
+/// Ticks since boot.
+pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
+/// The emergency stop's edge, kept for the next tick.
+pub(crate) static STOP_EDGE: AtomicBool = AtomicBool::new(false);
+/// The stack has been used further than it should.
+pub(crate) static STACK_LOW: AtomicBool = AtomicBool::new(false);
+/// What the LED shows; see [`crate::led`].
+pub(crate) static LED_PATTERN: AtomicU8 = AtomicU8::new(0);
+
+static MAINTENANCE: AtomicU8 = AtomicU8::new(Maintenance::None as u8);
+
+/// The flash stalls the core while it is written, so the thread asks the tick first.
+#[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Maintenance {
+    /// Normal.
+    None,
+    /// The thread asks.
+    Wanted,
+    /// The tick holds the motors off, and ticks may be missed, until `None` again.
+    Granted,
+    /// The motors may turn, or a fault is to be cleared first.
+    Refused,
+}
+
+impl Maintenance {
+    pub(crate) fn get() -> Self {
+        match MAINTENANCE.load(Ordering::Acquire) {
+            1 => Self::Wanted,
+            2 => Self::Granted,
+            3 => Self::Refused,
+            _ => Self::None,
+        }
+    }
+
+    pub(crate) fn set(self) {
+        MAINTENANCE.store(self as u8, Ordering::Release);
+    }
+}

@@ -1,0 +1,171 @@
+//! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
+
+use crate::port::{EncoderPwmPort, PlantPort, amplifier};
+use crate::shared::{
+    FRAME_EVERY, FRAMES_DROPPED, HEARD, LED_PATTERN, Maintenance, ORDERS, Order, Orders, REPORTS, Report,
+    Reports, STACK_LOW, TICK_CYCLES_MAX, TICKS,
+};
+use crate::storage::Provenance;
+use crate::{led, watchdog};
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::sync::atomic::Ordering;
+use cortex_m::peripheral::{DCB, DWT};
+use embassy_stm32::interrupt;
+use heapless::spsc::{Consumer, Producer, Queue};
+use static_cell::StaticCell;
+use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
+use twinrotor::parameters::Parameters;
+use twinrotor::supervisor::{Condition, Conditions, State};
+
+/// [cycles] More than this from one tick to the next, and one has been missed.
+const TOO_LATE: u32 = 168_000 * 3 / 2;
+
+/// What the interrupt owns.
+struct Tick {
+    port: EncoderPwmPort,
+    control: ControlLoop,
+    provenance: Provenance,
+    orders: Consumer<'static, Order>,
+    reports: Producer<'static, Report>,
+    until_frame: u16,
+    last_begin: u32,
+    /// The last tick ended too late, or this one began too late.
+    overrun: bool,
+}
+
+struct OfTheInterrupt(UnsafeCell<MaybeUninit<Tick>>);
+
+#[expect(unsafe_code, reason = "owned by the interrupt")]
+// SAFETY: `start` writes it before it enables the interrupt, which alone uses it from then on.
+unsafe impl Sync for OfTheInterrupt {}
+
+static TICK: OfTheInterrupt = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// Starts the watchdog and the tick.
+pub(crate) fn start(
+    mut port: EncoderPwmPort,
+    parameters: &Parameters,
+    provenance: Provenance,
+    reset_cause: Option<Condition>,
+) -> (Reports, Orders) {
+    static REPORT_QUEUE: StaticCell<Queue<Report, REPORTS>> = StaticCell::new();
+    static ORDER_QUEUE: StaticCell<Queue<Order, ORDERS>> = StaticCell::new();
+    let (reports, report_end) = REPORT_QUEUE.init(Queue::new()).split();
+    let (order_end, orders) = ORDER_QUEUE.init(Queue::new()).split();
+    let control = ControlLoop::new(parameters, port.counters(), port.drive(), reset_cause);
+    start_cycle_counter();
+    let tick = Tick {
+        port,
+        control,
+        provenance,
+        orders,
+        reports,
+        until_frame: 0,
+        last_begin: DWT::cycle_count(),
+        overrun: false,
+    };
+    #[expect(unsafe_code, reason = "the interrupt is not enabled yet")]
+    // SAFETY: nobody else uses it now.
+    unsafe {
+        (*TICK.0.get()).write(tick);
+    }
+    watchdog::start();
+    amplifier::run();
+    (report_end, order_end)
+}
+
+#[interrupt]
+fn TIM1_UP_TIM10() {
+    #[expect(unsafe_code, reason = "owned by this interrupt")]
+    // SAFETY: written before the interrupt was enabled; an interrupt does not interrupt itself.
+    let tick = unsafe { (*TICK.0.get()).assume_init_mut() };
+    tick.run();
+}
+
+impl Tick {
+    fn run(&mut self) {
+        let begin = DWT::cycle_count();
+        amplifier::take_tick();
+        let maintenance = self.maintain();
+        let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE && maintenance != Maintenance::Granted;
+        self.last_begin = begin;
+        let sensed = self.port.sense();
+        let order = self.orders.dequeue();
+        let wish = self.take(order);
+        let outputs = self.control.tick(&Inputs {
+            counters: self.port.counters(),
+            supply: sensed.supply,
+            current_limit: sensed.current_limit,
+            senses: Conditions::NONE
+                .with(Condition::EmergencyStop, sensed.emergency_stop)
+                .with(Condition::SensorStale, !sensed.fresh)
+                .with(Condition::TickOverrun, self.overrun | missed)
+                .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed))
+                .with(Condition::Saving, maintenance == Maintenance::Granted)
+                .with(Condition::ParametersInvalid, self.provenance == Provenance::Invalid)
+                .with(Condition::ParametersMissing, self.provenance == Provenance::Missing),
+            heard: HEARD.swap(false, Ordering::Relaxed),
+            wish,
+        });
+        self.port.write(outputs.duty, outputs.enable);
+        if let Some(verdict) = outputs.verdict {
+            self.report(Report::Verdict(verdict));
+        }
+        self.until_frame = self.until_frame.saturating_sub(1);
+        if self.until_frame == 0 {
+            self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
+            self.report(Report::Frame(outputs.frame));
+        }
+        LED_PATTERN.store(led::pattern(outputs.frame.state), Ordering::Relaxed);
+        TICKS.store(outputs.frame.tick, Ordering::Relaxed);
+        TICK_CYCLES_MAX.fetch_max(DWT::cycle_count().wrapping_sub(begin), Ordering::Relaxed);
+        self.overrun = amplifier::tick_due();
+        if sensed.fresh && !self.overrun && !missed {
+            watchdog::feed();
+        }
+    }
+
+    /// Answers a thread that wants to write the flash.
+    fn maintain(&mut self) -> Maintenance {
+        let asked = Maintenance::get();
+        if asked != Maintenance::Wanted {
+            return asked;
+        }
+        let answer = match self.control.state() {
+            State::Disarmed | State::Ready => Maintenance::Granted,
+            State::Checking | State::Armed | State::Fault(_) => Maintenance::Refused,
+        };
+        answer.set();
+        answer
+    }
+
+    fn take(&mut self, order: Option<Order>) -> Option<Wish> {
+        match order? {
+            Order::Wish(wish) => Some(wish),
+            Order::Adopt(parameters) => {
+                let counters = self.port.counters();
+                self.control.adopt(&parameters, counters, self.port.drive());
+                self.provenance = Provenance::Stored;
+                None
+            }
+        }
+    }
+
+    fn report(&mut self, report: Report) {
+        if self.reports.enqueue(report).is_err() {
+            FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+fn start_cycle_counter() {
+    const TRACE: u32 = 1 << 24;
+    const COUNT_CYCLES: u32 = 1;
+    #[expect(unsafe_code, reason = "registers of the core")]
+    // SAFETY: nobody else uses the debug unit's counter.
+    unsafe {
+        (*DCB::PTR).demcr.modify(|bits| bits | TRACE);
+        (*DWT::PTR).ctrl.modify(|bits| bits | COUNT_CYCLES);
+    }
+}

@@ -1,0 +1,67 @@
+//! Flags that several commands share, and how they are resolved.
+
+use crate::error::{Failure, Outcome, at_least};
+use crate::rig::{self, NamedRig};
+use clap::Args;
+use std::sync::atomic::{AtomicBool, Ordering};
+use twinrotor::axes::PerMotor;
+
+/// Of every command that computes.
+#[derive(Debug, Args)]
+pub(super) struct Common {
+    /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
+    #[arg(long, default_value = "paper")]
+    pub preset: String,
+    /// Rotor lag of both motors [s] instead of the preset's; it acts with --fidelity rig
+    #[arg(long, value_name = "S")]
+    pub rotor_lag: Option<f64>,
+    /// Of everything random
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    pub json: bool,
+    /// Threads to compute on [default: all]; the results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+impl Common {
+    /// Reads the rig and sets the threads.
+    pub(super) fn resolve(&self) -> Outcome<NamedRig> {
+        let mut named = rig::load(&self.preset)?;
+        if let Some(lag) = self.rotor_lag {
+            named.rig.plant.rotor_time_constant = PerMotor::both(at_least("--rotor-lag", lag, 0.0, false)?);
+        }
+        if let Some(threads) = self.threads {
+            if threads == 0 || threads > 1024 {
+                return Err(Failure::Input(format!("--threads is {threads}; allowed: 1 to 1024")));
+            }
+            // Fails only if the pool was set before, which one command does not do.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        }
+        Ok(named)
+    }
+}
+
+/// Two numbers with a comma between them.
+pub(super) fn pair(flag: &str, text: &str) -> Outcome<[f64; 2]> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([first, second]) if first.is_finite() && second.is_finite() => Ok([*first, *second]),
+        _ => Err(Failure::Input(format!("{flag} is '{text}'; allowed: two finite numbers such as 1,25"))),
+    }
+}
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C asks to stop, and [`interrupted`] tells.
+pub(super) fn catch_interrupts() {
+    // Fails only if a handler was set before, which one command does not do.
+    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
+}
+
+/// Was Ctrl-C pressed?
+pub(super) fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}

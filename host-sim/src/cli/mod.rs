@@ -1,0 +1,88 @@
+//! The command line: flags as typed, resolved into what the library takes; exit status decided here and nowhere else.
+//!
+//! 0 done; 1 the run failed; 2 bad input, told in one line; 130 after Ctrl-C, with the best so far written.
+
+mod bench;
+mod common;
+mod simulate;
+mod tables;
+mod tune;
+
+use crate::error::{Failure, Outcome};
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Simulate, tune and check the controller that flies on the board: the same core, bit for bit.
+#[derive(Debug, Parser)]
+#[command(name = "host-sim", version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fly one scenario and report settling, overshoot, error integrals and what the motors were asked for
+    Simulate(simulate::Args),
+    /// Breed gains by flower pollination, set them beside the paper's and write them to a file
+    Tune(tune::Args),
+    /// How fast this machine is: closed-loop steps a second on one core
+    Bench(bench::Args),
+}
+
+/// Runs what was typed.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let outcome = match cli.command {
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Tune(args) => tune::run(&args),
+        Command::Bench(args) => bench::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::from(failure.exit_status())
+        }
+    }
+}
+
+/// Help and version are no errors; anything else is told in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    if matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    ) {
+        let _ = error.print();
+        return ExitCode::from(u8::from(error.use_stderr()) * 2);
+    }
+    let text = error.render().to_string();
+    let told = text.split("\n\nUsage").next().unwrap_or_default().split("\n\nFor more").next();
+    let line: Vec<&str> = told.unwrap_or_default().split_whitespace().collect();
+    eprintln!("{} (--help lists what there is)", line.join(" "));
+    ExitCode::from(2)
+}
+
+/// Prints to standard output. A reader that has gone away is no failure of ours.
+fn print(text: &str) -> Outcome<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Run(format!("standard output: cannot be written: {e}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints one JSON document.
+fn print_json(document: &impl serde::Serialize) -> Outcome<()> {
+    let text = serde_json::to_string_pretty(document).expect("reports are made of plain data");
+    print(&format!("{text}\n"))
+}

@@ -1,0 +1,138 @@
+//! `simulate`: fly one scenario.
+
+use super::common::{Common, pair};
+use super::{print, print_json, tables};
+use crate::error::{Outcome, at_least};
+use crate::figures;
+use crate::flight::{self, Fidelity, Plan, Scalar};
+use crate::gains_file::{Controller, GainsFile};
+use crate::metrics::Report;
+use crate::output;
+use crate::plot;
+use crate::scenario::{Disturbance, Scenario};
+use serde::Serialize;
+use std::path::PathBuf;
+use twinrotor::axes::PerAxis;
+
+/// Flags of `simulate`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// Gains: 'paper' (Table 4) or a gains file
+    #[arg(long, default_value = "paper", value_name = "paper|FILE")]
+    gains: String,
+    /// Refuse gains that are of another controller
+    #[arg(long)]
+    controller: Option<Controller>,
+    /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
+    #[arg(long, default_value = "step")]
+    scenario: String,
+    /// The paper's world or the rig's
+    #[arg(long, default_value = "ideal")]
+    fidelity: Fidelity,
+    /// Arithmetic: as the board computes (f32), or to verify (f64)
+    #[arg(long, default_value = "f32")]
+    scalar: Scalar,
+    /// How long to fly [s] instead of the scenario's duration
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Where to start, at rest
+    #[arg(long, value_name = "PITCH_DEG,YAW_DEG", default_value = "0,0", allow_hyphen_values = true)]
+    initial: String,
+    /// Amplitude of random volts added to each motor
+    #[arg(long, value_name = "VOLTS", allow_negative_numbers = true)]
+    disturbance: Option<f64>,
+    /// How long each random value holds [s]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    hold: Option<f64>,
+    /// From when to when the disturbance acts [s]
+    #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true)]
+    window: Option<String>,
+    /// Write every tick to a CSV file, SI units
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw the flight as .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    preset: &'a str,
+    scenario: &'a str,
+    fidelity: Fidelity,
+    scalar: Scalar,
+    seed: u64,
+    duration_s: f64,
+    gains: &'a GainsFile,
+    #[serde(flatten)]
+    report: Report,
+}
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let named = args.common.resolve()?;
+    let scenario = scenario(args)?;
+    let gains = GainsFile::load(&args.gains)?;
+    gains.require(args.controller)?;
+    let [pitch, yaw] = pair("--initial", &args.initial)?.map(f64::to_radians);
+    if let Some(path) = &args.plot {
+        plot::check("--plot", path)?;
+    }
+    if let Some(path) = &args.csv {
+        output::check("--csv", path)?;
+    }
+
+    let settings = gains.settings(&named.rig);
+    let plan = Plan {
+        rig: &named.rig,
+        settings: &settings,
+        scenario: &scenario,
+        initial: PerAxis::new(pitch, yaw),
+        fidelity: args.fidelity,
+        seed: args.common.seed,
+    };
+    let flown = flight::fly(&plan, args.scalar)?;
+
+    if let Some(path) = &args.csv {
+        output::write(path, flight::to_csv(&flown.rows).as_bytes())?;
+    }
+    let title = format!("{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
+    if let Some(path) = &args.plot {
+        figures::flight(&title, &flown, settings.volts_limit).write(path)?;
+    }
+    if args.common.json {
+        return print_json(&Document {
+            preset: &named.name,
+            scenario: &scenario.name,
+            fidelity: args.fidelity,
+            scalar: args.scalar,
+            seed: args.common.seed,
+            duration_s: scenario.duration,
+            gains: &gains,
+            report: flown.report,
+        });
+    }
+    print(&format!("{title}\n{}", tables::report(&flown.report)))
+}
+
+fn scenario(args: &Args) -> Outcome<Scenario> {
+    let mut scenario = Scenario::load(&args.scenario)?;
+    if let Some(duration) = args.duration {
+        scenario.duration = at_least("--duration", duration, 0.0, true)?;
+    }
+    let none = Disturbance { volts: 0.0, hold: 0.1, window: [0.0, scenario.duration] };
+    let mut disturbance = scenario.disturbance.unwrap_or(none);
+    if let Some(volts) = args.disturbance {
+        disturbance.volts = at_least("--disturbance", volts, 0.0, false)?;
+    }
+    if let Some(hold) = args.hold {
+        disturbance.hold = at_least("--hold", hold, 0.0, true)?;
+    }
+    if let Some(window) = &args.window {
+        disturbance.window = pair("--window", window)?;
+    }
+    scenario.disturbance = (disturbance.volts > 0.0).then_some(disturbance);
+    scenario.validate()?;
+    Ok(scenario)
+}
