@@ -76,21 +76,23 @@ pub struct Board {
     inputs: Inputs,
     /// The counts already turned into the timers.
     turned: [i64; 2],
+    protects_memory: bool,
 }
 
 impl Store for Board {}
 
 impl Board {
-    /// A board out of power-on; `seed` decides what chance decides.
+    /// A board out of power-on; `seed` decides what chance decides. Without `protects_memory` the core's memory protection
+    /// unit takes no effect, which a firmware that never violates it cannot tell, and the emulator runs twice as fast.
     ///
     /// # Errors
     ///
     /// If the part's description contradicts itself.
-    pub fn new(seed: u64) -> Result<Self, rigless::soc::Error> {
+    pub fn new(seed: u64, protects_memory: bool) -> Result<Self, rigless::soc::Error> {
         let mut chip = Stm32f405::new(seed)?;
         let (port, _) = wiring::SERIAL;
         chip.serial(port).attach(Line::default());
-        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2] })
+        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2], protects_memory })
     }
 
     /// The microcontroller.
@@ -148,9 +150,14 @@ impl Board {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few volts")]
         let millivolts = (supply / divider * 1000.0).round().max(0.0) as u32;
         self.chip.set_analog(converter, channel, millivolts);
+        self.chip.watch_rail(at);
+    }
+
+    /// The serial line, which may begin to speak in the middle of a millisecond.
+    fn connect_line(&mut self) {
         let (port, pins) = wiring::SERIAL;
-        let crossed = pins.into_iter().all(|pin| self.connected(pin));
-        let _ = self.chip.serial(port).silence(!crossed);
+        let connected = pins.into_iter().all(|pin| self.connected(pin));
+        let _ = self.chip.serial(port).silence(!connected);
     }
 
     /// What the board puts on its connectors at `at`.
@@ -210,13 +217,14 @@ impl Described for Board {
             boot: "flash",
         };
         let windows = cpu::windows(self.chip.bus());
-        let spec = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+        let regions = if self.protects_memory { armv7m::MpuRegions::Eight } else { armv7m::MpuRegions::None };
+        let spec = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, regions);
         vec![Target::new("stm32f405", self, spec)]
     }
 }
 
-/// The part as the emulator sees it: the microcontroller, whose pins are looked at again wherever the
-/// emulator stops, since firmware may have changed what they connect to, or a reset lost it.
+/// The part as the emulator sees it. What firmware does to a pin's function connects or disconnects it at the end of the
+/// millisecond, when the inputs are applied again, the serial line's excepted; looking at every stop would cost more than all the rest.
 impl Mcu for Board {
     fn bus(&self) -> &rigless::soc::Bus {
         self.chip.bus()
@@ -228,10 +236,11 @@ impl Mcu for Board {
 
     fn reset(&mut self, at: VirtualNanos, cause: rigless::device::ResetCause) {
         self.chip.reset(at, cause);
+        self.connect(at);
     }
 
     fn poll(&mut self, now: VirtualNanos) {
-        self.connect(now);
+        self.connect_line();
         self.chip.poll(now);
     }
 

@@ -205,7 +205,7 @@ impl Stm32f405 {
     }
 
     /// Takes the voltage detector's output to its external interrupt line, 12.2.5.
-    fn watch_rail(&mut self, at: VirtualNanos) {
+    pub fn watch_rail(&mut self, at: VirtualNanos) {
         let status = self.bus.slots()[self.slots.pwr].registers().get(generated::pwr::Register::Csr);
         let low = generated::pwr::csr::PVDO.is_set(status);
         let (registers, mut context) = self.bus.drive(at, self.slots.exti);
@@ -339,10 +339,11 @@ impl Mcu for Stm32f405 {
     }
 
     fn poll(&mut self, now: VirtualNanos) {
-        self.watch_rail(now);
-        for nth in 0..self.serial.len() {
-            let (registers, mut context) = self.bus.drive(now, self.slots.serial[nth]);
-            rigless::device::Device::poll(&mut self.serial[nth], registers, &mut context);
+        for (port, &slot) in self.serial.iter_mut().zip(&self.slots.serial) {
+            if port.attached() {
+                let (registers, mut context) = self.bus.drive(now, slot);
+                rigless::device::Device::poll(port, registers, &mut context);
+            }
         }
     }
 

@@ -34,7 +34,9 @@ pub enum Error {
 impl fmt::Display for Error {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File(path, why) => write!(to, "{}: {why}", path.display()),
+            Self::File(path, why) => {
+                write!(to, "{}: {why}; build it with 'cargo fw', or set TWINROTOR_ELF", path.display())
+            }
             Self::Elf(path, why) => write!(to, "{}: not a firmware ELF: {why}", path.display()),
         }
     }
@@ -51,6 +53,18 @@ impl Firmware {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|why| Error::File(path.to_owned(), why))?;
         Self::new(path, bytes)
+    }
+
+    /// The released image: where the variable `TWINROTOR_ELF` says, else where `cargo fw` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn released() -> Result<Self, Error> {
+        let built =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/thumbv7em-none-eabihf/firmware/firmware");
+        let path = std::env::var_os("TWINROTOR_ELF").map_or_else(|| PathBuf::from(built), PathBuf::from);
+        Self::read(&path)
     }
 
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {

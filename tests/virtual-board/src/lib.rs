@@ -4,6 +4,8 @@
 pub mod board;
 pub mod chip;
 pub mod firmware;
+pub mod helicopter;
 pub mod machine;
 pub mod serial;
+pub mod station;
 pub mod wiring;

@@ -72,12 +72,21 @@ pub struct Setup {
     pub seed: u64,
     /// Accesses that the part answers with a bus error are the firmware's to handle, not a failure.
     pub bus_errors_allowed: bool,
+    /// The core's memory protection unit takes effect: see [`Board::new`].
+    pub protects_memory: bool,
 }
 
 impl Setup {
     /// `firmware` alone, its tick in TIM1's update interrupt.
     pub fn new(firmware: Firmware) -> Self {
-        Self { firmware, images: Vec::new(), tick: "TIM1_UP_TIM10", seed: 1, bus_errors_allowed: false }
+        Self {
+            firmware,
+            images: Vec::new(),
+            tick: "TIM1_UP_TIM10",
+            seed: 1,
+            bus_errors_allowed: false,
+            protects_memory: false,
+        }
     }
 
     /// With `bytes` in the flash from `address` on.
@@ -246,7 +255,7 @@ fn emulate(
     replies: SyncSender<Result<bool, Failure>>,
 ) -> Result<(), Failure> {
     let fail = |why: &dyn fmt::Display| Failure(why.to_string());
-    let mut board = Board::new(setup.seed).map_err(|why| fail(&why))?;
+    let mut board = Board::new(setup.seed, setup.protects_memory).map_err(|why| fail(&why))?;
     let mut images = vec![setup.firmware.image().clone()];
     for (address, bytes) in &setup.images {
         let name = format!("image at {address:#x}");

@@ -65,7 +65,7 @@ pub struct Flash {
 }
 
 /// How long the supply stays away after a cut [ns].
-const OUTAGE_NS: u64 = 50_000_000;
+const OUTAGE_NS: u64 = 2_000_000;
 
 impl Flash {
     /// An erased array.
@@ -102,8 +102,11 @@ impl Flash {
     /// Puts `bytes` at `address` while the part runs, behind the firmware's back.
     pub fn replace(&mut self, address: u64, bytes: &[u8], context: &mut DeviceContext<'_>) {
         for (word, four) in bytes.chunks_exact(4).enumerate() {
-            let value = u64::from(u32::from_le_bytes(four.try_into().expect("four bytes")));
-            self.array.put(address + 4 * word as u64, Width::W32, value, context);
+            let at = address + 4 * word as u64;
+            if self.bytes(at, 4) != four {
+                let value = u64::from(u32::from_le_bytes(four.try_into().expect("four bytes")));
+                self.array.put(at, Width::W32, value, context);
+            }
         }
     }
 

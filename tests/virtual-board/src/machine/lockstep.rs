@@ -4,6 +4,7 @@ use std::any::Any;
 use std::sync::mpsc::{Receiver, SyncSender};
 
 use rigless::emulator::{Driver, Hit, Host, Settled, Stop, Watch};
+use rigless::mcu::Operate;
 use rigless::session::{Reset, Session};
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
@@ -46,6 +47,8 @@ pub(super) struct Lockstep {
     trace: Vec<Outputs>,
     inputs: Option<Inputs>,
     held: bool,
+    /// The core stands still until then.
+    stalled_until: VirtualNanos,
 }
 
 impl Lockstep {
@@ -79,6 +82,7 @@ impl Lockstep {
             trace: Vec::new(),
             inputs: None,
             held: false,
+            stalled_until: VirtualNanos(0),
         })
     }
 
@@ -127,6 +131,16 @@ impl Lockstep {
     }
 }
 
+/// When the run settled.
+fn now(settled: &Settled) -> VirtualNanos {
+    match settled {
+        Settled::Access { access, .. } => access.virtual_time,
+        Settled::Stop(stop) => stop.at,
+        Settled::Hit(hit) => hit.at,
+        _ => VirtualNanos(u64::MAX),
+    }
+}
+
 impl Driver<Board> for Lockstep {
     fn on_settled(&mut self, session: &mut Session<Board>, host: &mut dyn Host, settled: Settled) {
         if let Settled::Hit(hit) = settled {
@@ -138,7 +152,7 @@ impl Driver<Board> for Lockstep {
             written.expect("the part's own RAM");
         }
         // The core fetches from the flash, so it stands still while the flash is busy.
-        let stalled = session.board_mut().chip().stalled();
+        let stalled = session.board_mut().chip().stalled() || now(&settled) < self.stalled_until;
         if session.unpowered() {
             self.held = false;
         } else if stalled != self.held {
@@ -254,6 +268,42 @@ impl Live<'_> {
     pub fn set_word(&mut self, address: u64, word: u32) {
         let written = self.host.write(address, Width::W32, u64::from(word));
         written.unwrap_or_else(|why| panic!("{why}"));
+    }
+
+    /// Writes a register as a debugger does, or a fault of the part would.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such register.
+    pub fn poke(&mut self, address: u64, value: u32) {
+        let at = self.stop.at;
+        let written = self.session.mcu().write(at, address, Width::W32, u64::from(value));
+        written.unwrap_or_else(|why| panic!("{why}"));
+    }
+
+    /// The core's next access to the instance's registers from `address` on fails with a bus error.
+    pub fn fail_next(&mut self, address: u64) {
+        self.session.fail_next(address, address + 0x400);
+    }
+
+    /// The core stands still for `milliseconds`, while everything around it goes on.
+    pub fn stall(&mut self, milliseconds: u64) {
+        let until = VirtualNanos(self.stop.at.0 + milliseconds * MILLISECOND);
+        self.lockstep.stalled_until = until;
+        self.lockstep.held = true;
+        self.host.hold(true);
+    }
+
+    /// The supply goes, and comes back a moment later.
+    pub fn cut_power(&mut self) {
+        let at = self.stop.at;
+        self.board().chip().drive_flash(at, crate::chip::flash::Flash::cut);
+    }
+
+    /// Puts `bytes` into the flash from `address` on, behind the firmware's back.
+    pub fn replace_flash(&mut self, address: u64, bytes: &[u8]) {
+        let at = self.stop.at;
+        self.board().chip().drive_flash(at, |flash, context| flash.replace(address, bytes, context));
     }
 
     /// The address of one of the firmware's symbols.
