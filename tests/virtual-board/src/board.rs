@@ -63,6 +63,17 @@ impl Outputs {
         })
     }
 
+    /// What the compare values ask of each motor, in steps from zero: the duty, but for the dead time that takes a pulse
+    /// off the bridge near either end. Zero where the duty is, with the amplifiers or the PWM off.
+    pub fn steps(&self) -> [i64; 2] {
+        let middle = i64::try_from(self.reload / 2).expect("16 bits");
+        [0, 1].map(|motor| {
+            let driven = self.enabled && !self.legs[motor].contains(&Drive::Released);
+            let compare = i64::try_from(self.compare[motor]).expect("16 bits");
+            if driven { compare - middle } else { 0 }
+        })
+    }
+
     /// Whether a motor could turn.
     pub fn live(&self) -> bool {
         self.duty().into_iter().any(|share| share.abs() > 0.0)

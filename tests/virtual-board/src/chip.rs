@@ -212,12 +212,6 @@ impl Stm32f405 {
         self.exti.set_line(exti::VOLTAGE_DETECTOR, low, registers, &mut context);
     }
 
-    /// The crystal stops.
-    pub fn stop_crystal(&mut self, at: VirtualNanos) {
-        let (registers, mut context) = self.bus.drive(at, self.slots.rcc);
-        self.rcc.fail_hse(registers, &mut context);
-    }
-
     /// What the outside puts on pin `pin` of port `port` (A is 0).
     pub fn drive_pin(&mut self, at: VirtualNanos, port: usize, pin: u8, level: Option<Level>) {
         let (registers, mut context) = self.bus.drive(at, self.slots.ports[port]);

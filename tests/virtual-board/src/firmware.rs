@@ -20,6 +20,7 @@ pub struct Firmware {
     /// [bytes] that the flash and the RAM take.
     flash_size: u64,
     ram_size: u64,
+    compiler: String,
 }
 
 /// Why a firmware could not be read.
@@ -106,8 +107,10 @@ impl Firmware {
                 code.insert(section.address(), data.to_vec());
             }
         }
+        let compiler = elf.section_by_name(".comment").and_then(|section| section.data().ok().map(compiler));
+        let compiler = compiler.unwrap_or_default();
         let image = Image::new(path, bytes.clone(), None).map_err(|why| refuse(why.to_string()))?;
-        Ok(Self { image, functions, symbols, code, flash_size, ram_size })
+        Ok(Self { image, functions, symbols, code, flash_size, ram_size, compiler })
     }
 
     /// What the emulator loads.
@@ -123,6 +126,11 @@ impl Firmware {
     /// [bytes] of RAM that its statics take, the stack aside.
     pub fn ram_size(&self) -> u64 {
         self.ram_size
+    }
+
+    /// The compiler that made it, such as `rustc 1.95.0`.
+    pub fn compiler(&self) -> &str {
+        &self.compiler
     }
 
     /// The address of a symbol.
@@ -186,6 +194,13 @@ impl Firmware {
         }
         returns
     }
+}
+
+/// The compiler's name and version in an ELF's comments.
+fn compiler(comments: &[u8]) -> String {
+    let text = String::from_utf8_lossy(comments);
+    let line = text.split('\0').find(|line| line.starts_with("rustc"));
+    line.map(|line| line.split_whitespace().take(3).collect::<Vec<_>>().join(" ")).unwrap_or_default()
 }
 
 /// A Rust symbol without its hash and its mangling, any other as it is.

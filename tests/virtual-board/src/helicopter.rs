@@ -94,6 +94,11 @@ impl Helicopter {
         self.inputs.amplifier_fault = amplifier_fault;
     }
 
+    /// Somebody catches it, and holds it there until the amplifiers are switched on again.
+    pub fn hold(&mut self) {
+        self.held = true;
+    }
+
     /// Where it is.
     pub fn state(&self) -> State<f32> {
         self.plant.state()
@@ -135,14 +140,12 @@ impl Helicopter {
         self.inputs.counts = [self.shown.pitch, self.shown.yaw];
     }
 
-    /// \[V\] What the board's outputs give the motors. A duty is a whole number of steps, so this is to the bit what the
-    /// core's drive says of it.
+    /// \[V\] What the board's outputs give the motors: to the bit what the core's drive says of them.
     fn volts(&self, outputs: &Outputs) -> PerMotor<f32> {
         let volts_per_step = self.supply / self.full_steps;
-        let [main, tail] = outputs.duty().map(|share| {
-            #[expect(clippy::cast_possible_truncation, reason = "a whole number of steps")]
-            let steps = (share * f64::from(self.full_steps)).round() as f32;
-            steps * volts_per_step
+        let [main, tail] = outputs.steps().map(|steps| {
+            let steps = i32::try_from(steps).expect("a compare value's 16 bits");
+            f32::from_i32(steps) * volts_per_step
         });
         if self.broken.motors_swapped { PerMotor::new(tail, main) } else { PerMotor::new(main, tail) }
     }

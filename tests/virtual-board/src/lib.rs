@@ -3,6 +3,7 @@
 
 pub mod board;
 pub mod chip;
+pub mod figures;
 pub mod firmware;
 pub mod helicopter;
 pub mod machine;

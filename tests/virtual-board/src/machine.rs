@@ -70,8 +70,9 @@ pub struct Setup {
     pub tick: &'static str,
     /// Decides what chance decides: the RAM at power-on, the bits of a cut-off flash operation.
     pub seed: u64,
-    /// Accesses that the part answers with a bus error are the firmware's to handle, not a failure.
-    pub bus_errors_allowed: bool,
+    /// Accesses that the part refuses, with a bus error or because an instance's clock is off, are no failure: for a
+    /// firmware that is being wronged.
+    pub refusals_allowed: bool,
     /// The core's memory protection unit takes effect: see [`Board::new`].
     pub protects_memory: bool,
 }
@@ -84,7 +85,7 @@ impl Setup {
             images: Vec::new(),
             tick: "TIM1_UP_TIM10",
             seed: 1,
-            bus_errors_allowed: false,
+            refusals_allowed: false,
             protects_memory: false,
         }
     }

@@ -11,7 +11,7 @@ use crate::firmware::Firmware;
 pub(super) fn first(
     session: &Session<Board>,
     firmware: &Firmware,
-    bus_errors_allowed: bool,
+    refusals_allowed: bool,
 ) -> Option<Failure> {
     let at = |counter: u64| firmware.locate(counter);
     if let Some(gap) = session.unmapped().first() {
@@ -31,10 +31,9 @@ pub(super) fn first(
             gap.writes
         )));
     }
-    let refused = session
-        .refused()
-        .iter()
-        .find(|(_, fault)| !(bus_errors_allowed && matches!(fault, Fault::BusError { .. })));
+    let allowed =
+        |fault: &Fault| refusals_allowed && matches!(fault, Fault::BusError { .. } | Fault::Gated { .. });
+    let refused = session.refused().iter().find(|(_, fault)| !allowed(fault));
     if let Some((address, fault)) = refused {
         return Some(Failure(format!("an access to {address:#010x} was refused: {fault}")));
     }

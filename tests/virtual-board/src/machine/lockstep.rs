@@ -167,7 +167,7 @@ impl Driver<Board> for Lockstep {
         stop: Stop,
         host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
-        let allowed = self.setup.bus_errors_allowed;
+        let allowed = self.setup.refusals_allowed;
         if let Some(failure) = gaps::first(session, &self.setup.firmware, allowed) {
             let seconds = stop.at.0 / MILLISECOND;
             // Nobody may be left to hear it.

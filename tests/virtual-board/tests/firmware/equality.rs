@@ -69,7 +69,7 @@ fn fly(rig: &Rig, setpoints: &[PerAxis<f32>]) -> (Vec<Frame>, Vec<[i64; 2]>) {
     station.aim(setpoints[0]);
     station.run(50);
     station.request(Request::Arm);
-    station.run(TICKS as u64 / setpoints.len() as u64);
+    station.run(TICKS as u64 / setpoints.len() as u64 + 50);
     for &setpoint in &setpoints[1..] {
         station.aim(setpoint);
         station.run(TICKS as u64 / setpoints.len() as u64 + 50);
@@ -100,20 +100,19 @@ fn assert_equal(rig: &Rig, setpoints: &[PerAxis<f32>]) {
     let zeroed = frames[zeroed.expect("it was zeroed")].tick;
     let armed = frames.iter().find(|frame| frame.state == State::Armed).expect("it was armed").tick;
     let mut host = Host::new(rig, &parameters(rig));
-    let mut waiting = setpoints[1..].iter();
+    let mut waiting = setpoints.iter();
     let mut compared = 0;
     let mut frames = frames.iter().peekable();
     for (tick, &compare) in (0_u32..).zip(&compares) {
         let wish = match tick {
             tick if tick + 1 == zeroed => Some(Wish::Zero),
-            tick if tick + 1 == armed => Some(Wish::Setpoint(Reference::at_rest(setpoints[0]))),
             tick if tick == armed => Some(Wish::Request(Request::Arm)),
             _ => None,
         };
         let mut computed = host.compute(wish);
         let frame = frames.next_if(|frame| frame.tick == tick);
         if let Some(frame) = frame
-            && tick > armed
+            && tick >= zeroed
             && bits(frame) != bits(&computed.1.frame)
             && let Some(&setpoint) = waiting.next()
         {

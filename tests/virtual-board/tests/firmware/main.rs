@@ -28,8 +28,6 @@ use virtual_board::station::Station;
 
 /// Where the parameter sectors begin.
 const PARAMETERS: u64 = 0x0800_4000;
-/// Supply of a rig with limits of 24 V.
-const SUPPLY: f64 = 24.0;
 
 fn firmware() -> Firmware {
     static RELEASED: OnceLock<Firmware> = OnceLock::new();

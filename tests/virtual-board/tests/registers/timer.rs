@@ -1,6 +1,7 @@
 //! Counting, update events, preload, interrupts, encoder mode: RM0090 17.3.1 to 17.3.3 and 18.3.12.
 
-use rigless::device::Level;
+use rigless::device::{Device, Level, RequestChange};
+use rigless::soc::stm32f427::peripherals::rcc::CLOCK_FAILURE;
 use virtual_board::chip::timer::{Kind, Register as R, Timer};
 
 use super::Alone;
@@ -334,6 +335,18 @@ fn the_break_input_waits_for_its_enable_and_its_polarity() {
     assert_eq!(timer.held(R::Bdtr) & 1 << 15, 0, "and does not come back by itself");
     timer.write(R::Bdtr, 0b1011 << 12);
     assert_ne!(timer.held(R::Bdtr) & 1 << 15, 0, "but by being set again");
+}
+
+#[test]
+fn a_failing_crystal_breaks_too() {
+    let mut timer = timer("TIM1", Kind::Advanced);
+    timer.write(R::Bdtr, 1 << 15 | 1 << 12);
+    let request = CLOCK_FAILURE;
+    timer.drive(|timer, registers, context| {
+        timer.on_request(RequestChange { instance: "RCC", request, level: Level::High }, registers, context);
+    });
+    assert_eq!(timer.held(R::Bdtr) & 1 << 15, 0);
+    assert_eq!(timer.read(R::Sr) & 1 << 7, 1 << 7);
 }
 
 #[test]
