@@ -15,7 +15,7 @@ use crate::telemetry::Frame;
 use serde::{Deserialize, Serialize};
 
 /// Counters in, duties out, once a tick.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct ControlLoop {
     tick: u32,
     settings: Settings<f32>,
@@ -34,6 +34,9 @@ pub struct ControlLoop {
     verdict: Option<Verdict>,
     approach: Approach,
     drive: Drive<f32>,
+    conditions: Conditions,
+    command: Command<f32>,
+    supply: f32,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
     latched: PerMotor<f32>,
 }
@@ -75,10 +78,6 @@ pub struct Outputs {
     pub enable: bool,
     /// What the first-power check found, in the tick it ends.
     pub verdict: Option<Verdict>,
-    /// How it came to that.
-    pub command: Command<f32>,
-    /// The tick, for telemetry.
-    pub frame: Frame,
 }
 
 impl ControlLoop {
@@ -108,13 +107,16 @@ impl ControlLoop {
             verdict: None,
             approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
             drive,
+            conditions: Conditions::NONE,
+            command: Command::idle(Estimate::default(), Reference::default()),
+            supply: 0.0,
             latched: PerMotor::zero(),
         }
     }
 
     /// Other parameters from now on, with the motors off: all starts afresh but the count of ticks.
     pub fn adopt(&mut self, parameters: &Parameters, counters: PerAxis<u32>, drive: Drive<f32>) {
-        *self = Self { tick: self.tick, ..Self::new(parameters, counters, drive, None) };
+        *self = Self { tick: self.tick.wrapping_add(1), ..Self::new(parameters, counters, drive, None) };
     }
 
     /// Whether the motors may turn, since the last tick.
@@ -122,18 +124,47 @@ impl ControlLoop {
         self.supervisor.state()
     }
 
+    /// How the last tick came to its duties.
+    pub fn command(&self) -> &Command<f32> {
+        &self.command
+    }
+
+    /// Which tick comes next, counted from boot.
+    pub fn next_tick(&self) -> u32 {
+        self.tick
+    }
+
+    /// The last tick, for telemetry.
+    #[inline(always)]
+    pub fn frame(&self) -> Frame {
+        let command = &self.command;
+        Frame {
+            tick: self.tick.wrapping_sub(1),
+            state: self.state(),
+            conditions: self.conditions,
+            angle: command.estimate.state.angle,
+            rate: command.estimate.state.rate,
+            reference: command.reference.angle,
+            demand: command.allocation.demand,
+            volts: self.latched,
+            supply: self.supply,
+        }
+    }
+
     /// One tick.
     #[inline(never)]
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
         let (measured, moved) = self.read_encoders(inputs.counters);
         let estimate = self.pipeline.estimate(measured, self.latched);
-        let conditions = self.find_conditions(inputs, &estimate, moved);
-        let estimate = self.supervise(inputs, conditions, measured).unwrap_or(estimate);
+        self.find_conditions(inputs, &estimate, moved);
+        let estimate = self.supervise(inputs.wish, measured).unwrap_or(estimate);
         let reference = self.follow(inputs.wish);
-        let command = self.decide(estimate, reference, measured);
-        let duty = self.drive.duty(command.allocation.volts, inputs.supply);
+        self.decide(estimate, reference, measured);
+        self.supply = inputs.supply;
+        let duty = self.drive.duty(self.command.allocation.volts, inputs.supply);
         self.latched = self.drive.volts(duty, inputs.supply);
-        self.report(inputs, conditions, command, duty)
+        self.tick = self.tick.wrapping_add(1);
+        Outputs { duty, enable: self.state().motors_may_turn(), verdict: self.verdict }
     }
 
     fn read_encoders(&mut self, counters: PerAxis<u32>) -> (PerAxis<f32>, PerAxis<i32>) {
@@ -148,12 +179,7 @@ impl ControlLoop {
         (measured, moved)
     }
 
-    fn find_conditions(
-        &mut self,
-        inputs: &Inputs,
-        estimate: &Estimate<f32>,
-        moved: PerAxis<i32>,
-    ) -> Conditions {
+    fn find_conditions(&mut self, inputs: &Inputs, estimate: &Estimate<f32>, moved: PerAxis<i32>) {
         let seen = self.monitor.check(&Seen {
             moved,
             estimate,
@@ -167,26 +193,22 @@ impl ControlLoop {
         });
         // A jump means lost counts: where zero was is no longer known.
         self.zeroed &= !(seen.contains(Condition::PitchJump) || seen.contains(Condition::YawJump));
-        seen.union(inputs.senses)
+        self.conditions = seen
+            .union(inputs.senses)
             .with(Condition::NotZeroed, !self.zeroed)
-            .with(Condition::NotChecked, !self.checked)
+            .with(Condition::NotChecked, !self.checked);
     }
 
     /// Moves the supervisor. At a change of state the estimator starts afresh, at arming reference and monitor too; then
     /// this is the new first estimate.
-    fn supervise(
-        &mut self,
-        inputs: &Inputs,
-        conditions: Conditions,
-        measured: PerAxis<f32>,
-    ) -> Option<Estimate<f32>> {
+    fn supervise(&mut self, wish: Option<Wish>, measured: PerAxis<f32>) -> Option<Estimate<f32>> {
         let before = self.supervisor.state();
-        let request = match (self.verdict.take(), inputs.wish) {
+        let request = match (self.verdict.take(), wish) {
             (Some(_), _) => Some(Request::Disarm),
             (None, Some(Wish::Request(request))) => Some(request),
             _ => None,
         };
-        let now = self.supervisor.step(conditions, request);
+        let now = self.supervisor.step(self.conditions, request);
         if now == before {
             return None;
         }
@@ -227,49 +249,21 @@ impl ControlLoop {
     }
 
     /// What the motors are to do: what the law says when armed, what the check says when checking, else nothing.
-    fn decide(
-        &mut self,
-        estimate: Estimate<f32>,
-        reference: Reference<f32>,
-        measured: PerAxis<f32>,
-    ) -> Command<f32> {
-        let mut command = Command::idle(estimate, reference);
-        match self.supervisor.state() {
-            State::Armed => {
-                command = self.pipeline.act(estimate, &reference);
-                self.fault = command.allocation.fault;
-            }
-            State::Checking => {
-                let (volts, verdict) = self.check.step(measured, self.still);
-                command.allocation.volts = volts;
-                self.checked |= verdict == Some(Verdict::Passed);
-                self.verdict = verdict;
-            }
-            State::Disarmed | State::Ready | State::Fault(_) => {}
+    fn decide(&mut self, estimate: Estimate<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
+        if self.supervisor.state() == State::Armed {
+            self.command = self.pipeline.act(estimate, &reference);
+            self.fault = self.command.allocation.fault;
+            return;
         }
-        command
-    }
-
-    fn report(
-        &mut self,
-        inputs: &Inputs,
-        conditions: Conditions,
-        command: Command<f32>,
-        duty: PerMotor<Duty<f32>>,
-    ) -> Outputs {
-        let state = self.supervisor.state();
-        let frame = Frame {
-            tick: self.tick,
-            state,
-            conditions,
-            angle: command.estimate.state.angle,
-            rate: command.estimate.state.rate,
-            reference: command.reference.angle,
-            demand: command.allocation.demand,
-            volts: self.latched,
-            supply: inputs.supply,
-        };
-        self.tick = self.tick.wrapping_add(1);
-        Outputs { duty, enable: state.motors_may_turn(), verdict: self.verdict, command, frame }
+        self.command = Command::idle(estimate, reference);
+        if self.supervisor.state() == State::Checking {
+            let (volts, verdict) = self.check.step(measured, self.still);
+            self.command.allocation.volts = volts;
+            self.checked |= verdict == Some(Verdict::Passed);
+            self.verdict = verdict;
+        }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,10 +14,11 @@ use serde::{Deserialize, Serialize};
 
 /// \[ticks\] Longest push of a motor.
 pub const PUSH_TICKS: u32 = 1_500;
-/// \[ticks\] Without a count on either encoder: the rig lies still.
-pub const STILL_TICKS: u32 = 300;
-/// \[ticks\] Longest wait for that, before a push and after the last.
-pub const SETTLE_TICKS: u32 = 20_000;
+/// \[ticks\] Without a count on either encoder: the rig lies still. Long enough that the turning point of a slow swing (an
+/// Aero's period is 5 s) does not count as rest.
+pub const STILL_TICKS: u32 = 1_500;
+/// \[ticks\] Longest wait for that: an Aero 2 swings on for two minutes. A hand may stop it.
+pub const SETTLE_TICKS: u32 = 180_000;
 /// \[rad\] Motion on one axis that ends a push: enough to tell, too little to swing about.
 pub const FAR_ENOUGH: f32 = 0.15;
 /// \[rad\] The least motion of a push that says anything.

@@ -25,12 +25,14 @@ pub const JUMP_MARGIN: f32 = 2.0;
 pub const JUMP_COUNTS: f32 = 3.0;
 /// \[s\] Time constant over which pushes and motion are compared.
 pub const MOTION_WINDOW: f32 = 0.2;
+/// \[s\] Time constant after which a push that lasts counts as a load that the model does not know.
+pub const LOAD_WINDOW: f32 = 1.0;
 /// Share of full voltage's push from which on a motion is expected.
-pub const MOTION_PUSH: f32 = 0.25;
+pub const MOTION_PUSH: f32 = 0.2;
 /// Share of the expected motion that must be seen. Generous: constants are wrong by 30 %, lags by 100 ms.
 pub const MOTION_SHARE: f32 = 0.1;
 /// \[ticks\] How long the two must disagree.
-pub const MOTION_TICKS: u32 = 50;
+pub const MOTION_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
 pub const STOP_MARGIN: f32 = 0.05;
 /// \[ticks\] A supply dips for a moment whenever a motor starts.
@@ -156,27 +158,31 @@ impl Persistence {
     }
 }
 
-/// Compares the rate that the voltages should have given with the rate that was seen, both through the same wash-out
-/// s T/(s T + 1), so that neither a wrong trim nor a slow drift counts.
+/// Compares the rate that the voltages should have given with the rate that was seen, both through the same two wash-outs.
 ///
-/// With the model's acceleration a, pushed = a T/(s T + 1); with the estimated rate v, seen = v s T/(s T + 1). For a true
-/// model the two are the same. A stuck encoder shows nothing, one with its sign swapped the opposite. A rig that rests
+/// With the model's acceleration a, pushed = a T/(s T + 1); with the estimated rate v, shown = v s T/(s T + 1). For a true
+/// model the two are the same. A second wash-out s L/(s L + 1) takes out what lasts: a wrong weight, a hand, a disturbance. A stuck encoder shows nothing, one with its sign swapped the opposite. A rig that rests
 /// nose down lies on a stop which the model does not know: there, a push further down counts as none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Motion {
     model: RigidBody<f32>,
-    effectiveness: Effectiveness<f32>,
+    linear: Effectiveness<f32>,
+    quadratic: Effectiveness<f32>,
+    /// \[N m/V\] On the other axis, for each volt that a rotor has yet to follow.
+    reaction: PerMotor<f32>,
     rotor_decay: PerMotor<f32>,
     /// Wash-out for one tick.
     keep: f32,
+    keep_load: f32,
     sample_time: f32,
     /// \[rad\] Below this pitch the rig may lie on its stop.
     stop: f32,
     /// \[rad/s\] From where on a push counts.
     least: PerAxis<f32>,
     rotor_volts: PerMotor<f32>,
-    pushed: PerAxis<f32>,
     slow_rate: PerAxis<f32>,
+    pushed: Load,
+    shown: Load,
     disagreement: PerAxis<Persistence>,
 }
 
@@ -188,29 +194,38 @@ impl Motion {
         let model = RigidBody::new(&s.model);
         let inertia = model.at(&State::default()).inertia;
         let pitch = &parameters.encoders.pitch;
+        let tau = s.model.rotor_time_constant;
         let decay = |tau: f32| if tau > 0.0 { bilinear_decay(s.sample_time / tau).max(0.0) } else { 0.0 };
+        let least = reach.zip(inertia, |torque, inertia| MOTION_PUSH * MOTION_WINDOW * torque / inertia);
         Self {
             model,
-            effectiveness: *k,
-            rotor_decay: s.model.rotor_time_constant.map(decay),
+            linear: s.model.effectiveness,
+            quadratic: s.model.quadratic_effectiveness,
+            reaction: s.model.rotor_reaction.zip(tau, |r, tau| if tau > 0.0 { r / tau } else { 0.0 }),
+            rotor_decay: tau.map(decay),
             keep: bilinear_decay(s.sample_time / MOTION_WINDOW),
+            keep_load: bilinear_decay(s.sample_time / LOAD_WINDOW),
             sample_time: s.sample_time,
             stop: if pitch.rest_counts < 0 {
                 f32::from_i32(pitch.rest_counts) * pitch.angle_per_count + STOP_MARGIN
             } else {
                 f32::NEG_INFINITY
             },
-            least: reach.zip(inertia, |torque, inertia| MOTION_PUSH * MOTION_WINDOW * torque / inertia),
+            least: least.zip(s.model.coulomb_friction.zip(inertia, |f, i| f / i), |least, friction| {
+                least + MOTION_WINDOW * friction
+            }),
             rotor_volts: PerMotor::zero(),
-            pushed: PerAxis::zero(),
             slow_rate: PerAxis::zero(),
+            pushed: Load::default(),
+            shown: Load::default(),
             disagreement: PerAxis::both(Persistence::default()),
         }
     }
 
     fn restart(&mut self) {
         self.rotor_volts = PerMotor::zero();
-        self.pushed = PerAxis::zero();
+        self.pushed = Load::default();
+        self.shown = Load::default();
         self.disagreement = PerAxis::both(Persistence::default());
     }
 
@@ -220,24 +235,41 @@ impl Motion {
         let rate = state.rate;
         let missing = self.rotor_volts.minus(seen.applied);
         self.rotor_volts = seen.applied.plus(missing.zip(self.rotor_decay, |m, d| m * d));
-        let torque = self.effectiveness.torque(self.rotor_volts);
+        let (acting, behind) = (self.rotor_volts, seen.applied.minus(self.rotor_volts));
+        let reaction = PerAxis::new(self.reaction.tail * behind.tail, self.reaction.main * behind.main);
+        let thrust = self.linear.torque(acting).plus(self.quadratic.torque(acting.map(|v| v * v.abs())));
+        let torque = thrust.plus(reaction);
         let mut accel = self.model.at(state).accel(torque);
         if state.angle.pitch < self.stop {
             accel.pitch = accel.pitch.max(0.0);
         }
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
-        self.pushed = self.pushed.scaled(self.keep).plus(accel.scaled(self.sample_time));
-        let shown = rate.minus(self.slow_rate);
+        self.pushed.value = self.pushed.value.scaled(self.keep).plus(accel.scaled(self.sample_time));
+        self.shown.value = rate.minus(self.slow_rate);
+        let pushed = self.pushed.wash_out(self.keep_load);
+        let shown = self.shown.wash_out(self.keep_load);
         PerAxis {
             pitch: self
                 .disagreement
                 .pitch
-                .over(contradicts(self.pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS),
-            yaw: self
-                .disagreement
-                .yaw
-                .over(contradicts(self.pushed.yaw, shown.yaw, self.least.yaw), MOTION_TICKS),
+                .over(contradicts(pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS),
+            yaw: self.disagreement.yaw.over(contradicts(pushed.yaw, shown.yaw, self.least.yaw), MOTION_TICKS),
         }
+    }
+}
+
+/// A motion and what of it lasts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Load {
+    value: PerAxis<f32>,
+    lasting: PerAxis<f32>,
+}
+
+impl Load {
+    #[inline(always)]
+    fn wash_out(&mut self, keep: f32) -> PerAxis<f32> {
+        self.lasting = self.value.plus(self.lasting.minus(self.value).scaled(keep));
+        self.value.minus(self.lasting)
     }
 }
 

@@ -13,7 +13,7 @@
 //! The polynomial wins: libm needs double precision, which the board does not have, and micromath's error
 //! is a thousand times the quantisation that a test against `f64` would forgive.
 
-use crate::real::{Mask, Real};
+use crate::real::Real;
 
 /// 2/pi.
 const TWO_OVER_PI: f64 = core::f64::consts::FRAC_2_PI;
@@ -48,7 +48,6 @@ pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     let k = R::select(swapped, sine, cosine);
     let sine_negative = opposite | (swapped & turn.lt(R::zero()));
     let cosine_negative = opposite | (swapped & R::zero().lt(turn));
-    debug_assert!(!(opposite & swapped).any());
     (R::select(sine_negative, -s, s), R::select(cosine_negative, -k, k))
 }
 

@@ -2,17 +2,22 @@
 
 use crate::board::CHIP;
 use crate::shared::{
-    FRAME_EVERY, FRAMES_DROPPED, HEARD, Maintenance, Order, Orders, Report, Reports, TICK_CYCLES_MAX,
+    FRAME_EVERY, FRAMES_DROPPED, HEARD, Maintenance, Order, Orders, Reports, TICK_CYCLES_MAX,
 };
 use crate::stack;
 use crate::storage::Storage;
 use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m::peripheral::NVIC;
 use embassy_executor::Spawner;
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::{RingBufferedUartRx, Uart, UartTx};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
-use embassy_time::{Duration, Instant, Ticker, Timer};
+use embassy_sync::signal::Signal;
+use embassy_time::{Duration, Instant, Timer};
 use static_cell::StaticCell;
 use twinrotor::link::{
     self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
@@ -48,7 +53,7 @@ async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) 
     static DECODER: StaticCell<Decoder> = StaticCell::new();
     let decoder = DECODER.init(Decoder::new());
     let mut bytes = [0; 64];
-    ANSWERS.send(operator.identity()).await;
+    answer(operator.identity()).await;
     loop {
         // Noise on the line, or more than we can take: what is lost fails its CRC.
         let Ok(count) = uart.read(&mut bytes).await else { continue };
@@ -57,8 +62,8 @@ async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) 
                 None => {}
                 Some(Ok(message)) => {
                     HEARD.store(true, Ordering::Relaxed);
-                    if let Some(answer) = operator.deal_with(message).await {
-                        ANSWERS.send(answer).await;
+                    if let Some(message) = operator.deal_with(message).await {
+                        answer(message).await;
                     }
                 }
                 Some(Err(LinkError::Damaged | LinkError::TooLong | LinkError::Version { .. })) => {
@@ -69,29 +74,44 @@ async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) 
     }
 }
 
+/// The tick has something to send. It may not touch what critical sections protect, so an interrupt of low priority, which the
+/// chip has no other use for, carries the word.
+static WOKEN: Signal<CriticalSectionRawMutex, ()> = Signal::new();
+
+/// Wakes the sender: for the tick.
+pub(crate) fn wake() {
+    NVIC::pend(embassy_stm32::interrupt::SDIO);
+}
+
+#[interrupt]
+fn SDIO() {
+    WOKEN.signal(());
+}
+
 /// Sends answers first, then what the tick reports, once a second how the board is.
 #[embassy_executor::task]
 async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     static BUFFER: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
     let buffer = BUFFER.init([0; MAX_FRAME]);
-    let mut ticker = Ticker::every(Duration::from_millis(1));
     let mut next_health = Instant::now();
+    #[expect(unsafe_code, reason = "an interrupt is enabled")]
+    // SAFETY: its handler sets a signal only.
+    unsafe {
+        embassy_stm32::interrupt::SDIO.enable();
+    }
     loop {
-        let message = match (ANSWERS.try_receive(), reports.dequeue()) {
-            (Ok(answer), None) => answer,
-            (Ok(answer), Some(report)) => {
-                transmit(&mut uart, &answer, buffer).await;
-                report.into_message()
-            }
-            (Err(_), Some(report)) => report.into_message(),
-            (Err(_), None) if Instant::now() >= next_health => {
-                next_health += Duration::from_secs(1);
-                ToHost::Health(health())
-            }
-            (Err(_), None) => {
-                ticker.next().await;
-                continue;
-            }
+        let message = if let Ok(answer) = ANSWERS.try_receive() {
+            answer
+        } else if let Some(verdict) = reports.verdicts.dequeue() {
+            ToHost::Verdict(verdict)
+        } else if Instant::now() >= next_health {
+            next_health += Duration::from_secs(1);
+            ToHost::Health(health())
+        } else if let Some(frame) = reports.frames.dequeue() {
+            ToHost::Frame(frame)
+        } else {
+            WOKEN.wait().await;
+            continue;
         };
         transmit(&mut uart, &message, buffer).await;
     }
@@ -101,15 +121,6 @@ async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &
     if let Ok(frame) = link::encode(message, buffer) {
         // The only error is one of reception.
         let _ = uart.write(frame).await;
-    }
-}
-
-impl Report {
-    fn into_message(self) -> ToHost {
-        match self {
-            Self::Frame(frame) => ToHost::Frame(frame),
-            Self::Verdict(verdict) => ToHost::Verdict(verdict),
-        }
     }
 }
 
@@ -189,4 +200,10 @@ impl Operator {
             reset: self.reset,
         })
     }
+}
+
+/// Hands an answer to the sender.
+async fn answer(message: ToHost) {
+    ANSWERS.send(message).await;
+    WOKEN.signal(());
 }

@@ -7,12 +7,6 @@ use twinrotor::first_power::Verdict;
 use twinrotor::parameters::Parameters;
 use twinrotor::telemetry::Frame;
 
-/// From the tick to the thread.
-pub(crate) enum Report {
-    Frame(Frame),
-    Verdict(Verdict),
-}
-
 /// From the thread to the tick.
 pub(crate) enum Order {
     Wish(Wish),
@@ -21,9 +15,14 @@ pub(crate) enum Order {
 }
 
 /// Room for 80 ms of telemetry at 200 frames a second.
-pub(crate) const REPORTS: usize = 16;
+pub(crate) const FRAMES: usize = 16;
+pub(crate) const VERDICTS: usize = 2;
 pub(crate) const ORDERS: usize = 4;
-pub(crate) type Reports = Consumer<'static, Report>;
+/// The thread's end of what the tick reports.
+pub(crate) struct Reports {
+    pub(crate) frames: Consumer<'static, Frame>,
+    pub(crate) verdicts: Consumer<'static, Verdict>,
+}
 pub(crate) type Orders = Producer<'static, Order>;
 
 /// Something came over the link since the last tick.

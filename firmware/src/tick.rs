@@ -1,12 +1,13 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
+use crate::port::senses::Sensed;
 use crate::port::{EncoderPwmPort, PlantPort, amplifier};
 use crate::shared::{
-    FRAME_EVERY, FRAMES_DROPPED, HEARD, LED_PATTERN, Maintenance, ORDERS, Order, Orders, REPORTS, Report,
-    Reports, STACK_LOW, TICK_CYCLES_MAX, TICKS,
+    FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Maintenance, ORDERS, Order, Orders, Reports,
+    STACK_LOW, TICK_CYCLES_MAX, TICKS, VERDICTS,
 };
 use crate::storage::Provenance;
-use crate::{led, watchdog};
+use crate::{led, serial, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -14,9 +15,12 @@ use cortex_m::peripheral::{DCB, DWT};
 use embassy_stm32::interrupt;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::StaticCell;
+use twinrotor::axes::PerMotor;
 use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
+use twinrotor::first_power::Verdict;
 use twinrotor::parameters::Parameters;
 use twinrotor::supervisor::{Condition, Conditions, State};
+use twinrotor::telemetry::Frame;
 
 /// [cycles] More than this from one tick to the next, and one has been missed.
 const TOO_LATE: u32 = 168_000 * 3 / 2;
@@ -27,7 +31,8 @@ struct Tick {
     control: ControlLoop,
     provenance: Provenance,
     orders: Consumer<'static, Order>,
-    reports: Producer<'static, Report>,
+    frames: Producer<'static, Frame>,
+    verdicts: Producer<'static, Verdict>,
     until_frame: u16,
     last_begin: u32,
     /// The last tick ended too late, or this one began too late.
@@ -49,9 +54,11 @@ pub(crate) fn start(
     provenance: Provenance,
     reset_cause: Option<Condition>,
 ) -> (Reports, Orders) {
-    static REPORT_QUEUE: StaticCell<Queue<Report, REPORTS>> = StaticCell::new();
+    static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
+    static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
     static ORDER_QUEUE: StaticCell<Queue<Order, ORDERS>> = StaticCell::new();
-    let (reports, report_end) = REPORT_QUEUE.init(Queue::new()).split();
+    let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
+    let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
     let (order_end, orders) = ORDER_QUEUE.init(Queue::new()).split();
     let control = ControlLoop::new(parameters, port.counters(), port.drive(), reset_cause);
     start_cycle_counter();
@@ -60,7 +67,8 @@ pub(crate) fn start(
         control,
         provenance,
         orders,
-        reports,
+        frames,
+        verdicts,
         until_frame: 0,
         last_begin: DWT::cycle_count(),
         overrun: false,
@@ -72,7 +80,7 @@ pub(crate) fn start(
     }
     watchdog::start();
     amplifier::run();
-    (report_end, order_end)
+    (Reports { frames: frame_end, verdicts: verdict_end }, order_end)
 }
 
 #[interrupt]
@@ -91,8 +99,32 @@ impl Tick {
         let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE && maintenance != Maintenance::Granted;
         self.last_begin = begin;
         let sensed = self.port.sense();
-        let order = self.orders.dequeue();
-        let wish = self.take(order);
+        match self.orders.peek() {
+            Some(Order::Adopt(parameters)) => {
+                // The motors are off and stay off: this tick has no other work.
+                self.port.write(PerMotor::default(), false);
+                self.control.adopt(parameters, self.port.counters(), self.port.drive());
+                self.provenance = Provenance::Stored;
+            }
+            Some(Order::Wish(wish)) => {
+                let wish = Some(*wish);
+                self.control(&sensed, missed, maintenance, wish);
+            }
+            None => self.control(&sensed, missed, maintenance, None),
+        }
+        // What was peeked at is done with; nothing is moved.
+        let _ = self.orders.dequeue();
+        LED_PATTERN.store(led::pattern(self.control.state()), Ordering::Relaxed);
+        TICKS.store(self.control.next_tick(), Ordering::Relaxed);
+        TICK_CYCLES_MAX.fetch_max(DWT::cycle_count().wrapping_sub(begin), Ordering::Relaxed);
+        self.overrun = amplifier::tick_due();
+        if sensed.fresh && !self.overrun && !missed {
+            watchdog::feed();
+        }
+    }
+
+    /// The core's tick, and what it has to report.
+    fn control(&mut self, sensed: &Sensed, missed: bool, maintenance: Maintenance, wish: Option<Wish>) {
         let outputs = self.control.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -110,19 +142,16 @@ impl Tick {
         });
         self.port.write(outputs.duty, outputs.enable);
         if let Some(verdict) = outputs.verdict {
-            self.report(Report::Verdict(verdict));
+            // There is one verdict a check, and checks take seconds: there is room.
+            let _ = self.verdicts.enqueue(verdict);
         }
         self.until_frame = self.until_frame.saturating_sub(1);
         if self.until_frame == 0 {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
-            self.report(Report::Frame(outputs.frame));
-        }
-        LED_PATTERN.store(led::pattern(outputs.frame.state), Ordering::Relaxed);
-        TICKS.store(outputs.frame.tick, Ordering::Relaxed);
-        TICK_CYCLES_MAX.fetch_max(DWT::cycle_count().wrapping_sub(begin), Ordering::Relaxed);
-        self.overrun = amplifier::tick_due();
-        if sensed.fresh && !self.overrun && !missed {
-            watchdog::feed();
+            if self.frames.enqueue(self.control.frame()).is_err() {
+                FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
+            }
+            serial::wake();
         }
     }
 
@@ -138,24 +167,6 @@ impl Tick {
         };
         answer.set();
         answer
-    }
-
-    fn take(&mut self, order: Option<Order>) -> Option<Wish> {
-        match order? {
-            Order::Wish(wish) => Some(wish),
-            Order::Adopt(parameters) => {
-                let counters = self.port.counters();
-                self.control.adopt(&parameters, counters, self.port.drive());
-                self.provenance = Provenance::Stored;
-                None
-            }
-        }
-    }
-
-    fn report(&mut self, report: Report) {
-        if self.reports.enqueue(report).is_err() {
-            FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
-        }
     }
 }
 

@@ -251,6 +251,6 @@ impl ClosedLoop<f32> for BoardLoop {
         let applied = self.latched;
         self.latched = self.drive.volts(outputs.duty, self.supply);
         self.plant.advance(applied, disturbance);
-        Tick { state, command: outputs.command, applied }
+        Tick { state, command: *self.control.command(), applied }
     }
 }

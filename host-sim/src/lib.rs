@@ -14,6 +14,7 @@ pub mod cli;
 pub mod closed_loop;
 pub mod error;
 pub mod figures;
+pub mod flash;
 pub mod flight;
 pub mod gains_file;
 pub mod lanes;

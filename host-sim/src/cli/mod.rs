@@ -4,6 +4,7 @@
 
 mod bench;
 mod common;
+mod flash;
 mod simulate;
 mod tables;
 mod tune;
@@ -30,6 +31,8 @@ enum Command {
     Tune(tune::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
+    /// Put gains on a board: by an image, a debug probe or the serial link
+    Flash(flash::Args),
 }
 
 /// Runs what was typed.
@@ -42,6 +45,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Flash(args) => flash::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

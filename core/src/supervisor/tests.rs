@@ -1,0 +1,126 @@
+use super::*;
+use std::vec::Vec;
+
+const STATES: [State; 5] =
+    [State::Disarmed, State::Ready, State::Checking, State::Armed, State::Fault(Condition::NonFinite)];
+const REQUESTS: [Option<Request>; 5] =
+    [None, Some(Request::Arm), Some(Request::Disarm), Some(Request::ClearFault), Some(Request::Check)];
+
+/// Every state with every request under no condition, and under each single one: 5 x 5 x 25 cases.
+fn every_case() -> impl Iterator<Item = (State, Option<Request>, Conditions, State)> {
+    let sets: Vec<Conditions> = core::iter::once(Conditions::NONE)
+        .chain(Condition::ALL.map(|condition| Conditions::of(&[condition])))
+        .collect();
+    STATES.into_iter().flat_map(move |state| {
+        let sets = sets.clone();
+        REQUESTS.into_iter().flat_map(move |request| {
+            let sets = sets.clone();
+            sets.into_iter().map(move |present| {
+                let mut supervisor = Supervisor { state };
+                (state, request, present, supervisor.step(present, request))
+            })
+        })
+    })
+}
+
+#[test]
+fn each_condition_has_its_own_bit_and_comes_back_by_it() {
+    for (bit, condition) in Condition::ALL.into_iter().enumerate() {
+        assert_eq!(condition as usize, bit);
+        assert_eq!(Conditions::of(&[condition]).iter().collect::<Vec<_>>(), [condition]);
+    }
+}
+
+#[test]
+fn only_arm_in_ready_with_nothing_wrong_leads_to_armed() {
+    for (from, request, present, to) in every_case() {
+        if to == State::Armed && from != State::Armed {
+            assert_eq!((from, request, present), (State::Ready, Some(Request::Arm), Conditions::NONE));
+        }
+    }
+}
+
+#[test]
+fn a_hazard_stops_turning_motors_in_the_same_tick_and_is_named() {
+    for (from, _, present, to) in every_case() {
+        let hazard = present.intersection(Conditions::HAZARDS).first();
+        if let (true, Some(cause)) = (from.motors_may_turn(), hazard) {
+            assert_eq!(to, State::Fault(cause));
+        }
+        if hazard.is_some() {
+            assert!(!to.motors_may_turn());
+        }
+    }
+}
+
+#[test]
+fn a_fault_stays_until_it_is_cleared_with_no_hazard_left() {
+    for (from, request, present, to) in every_case() {
+        let safe = present.intersection(Conditions::HAZARDS).is_empty();
+        if let State::Fault(_) = from {
+            let cleared = request == Some(Request::ClearFault) && safe;
+            assert_eq!(to, if cleared { State::Disarmed } else { from });
+        }
+    }
+}
+
+#[test]
+fn disarm_always_ends_turning_motors() {
+    for (_, request, _, to) in every_case() {
+        assert!(request != Some(Request::Disarm) || !to.motors_may_turn());
+    }
+}
+
+#[test]
+fn ready_means_that_nothing_prevents_arming() {
+    for (from, request, present, to) in every_case() {
+        if to == State::Ready {
+            assert_eq!(present, Conditions::NONE);
+            assert!(from == State::Ready || (from == State::Disarmed && request.is_none()));
+        }
+    }
+}
+
+#[test]
+fn the_check_starts_without_zero_and_parameters_but_not_with_a_hazard() {
+    for (from, request, present, to) in every_case() {
+        if request == Some(Request::Check) && matches!(from, State::Disarmed | State::Ready) {
+            let safe = present.intersection(Conditions::HAZARDS).is_empty();
+            assert_eq!(to == State::Checking, safe);
+        }
+    }
+}
+
+#[test]
+fn a_reset_that_should_not_have_been_is_a_fault_from_the_start() {
+    let mut supervisor = Supervisor::new(Some(Condition::ResetByWatchdog));
+    assert_eq!(
+        supervisor.step(Conditions::NONE, Some(Request::Arm)),
+        State::Fault(Condition::ResetByWatchdog)
+    );
+    assert_eq!(supervisor.step(Conditions::NONE, Some(Request::ClearFault)), State::Disarmed);
+    assert_eq!(Supervisor::new(None).state(), State::Disarmed);
+}
+
+/// Within any fifty random ticks: armed only ever from ready, and never in a tick with a hazard.
+#[test]
+fn long_random_runs_keep_the_rules() {
+    let mut seed = 1_u32;
+    let mut supervisor = Supervisor::new(None);
+    let mut armed = 0;
+    for _ in 0..200_000 {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let present = match seed >> 28 {
+            0 => Conditions(1 << ((seed >> 20) % 24)),
+            _ => Conditions::NONE,
+        };
+        let before = supervisor.state();
+        let after = supervisor.step(present, REQUESTS[(seed >> 16) as usize % 5]);
+        if after == State::Armed {
+            armed += 1;
+            assert!(matches!(before, State::Ready | State::Armed));
+            assert!(present.intersection(Conditions::HAZARDS).is_empty());
+        }
+    }
+    assert!(armed > 1_000, "the walk reaches every state: {armed}");
+}

@@ -1,0 +1,166 @@
+//! `flash`: gains onto a board.
+
+use super::{print, print_json};
+use crate::error::{Failure, Outcome};
+use crate::flash::{self, BAUD, Board, IMAGE_ADDRESS};
+use crate::gains_file::GainsFile;
+use crate::output;
+use crate::rig;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+use twinrotor::parameters::Parameters;
+
+/// Flags of `flash`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Gains: 'paper' (Table 4) or a gains file
+    #[arg(value_name = "GAINS")]
+    gains: String,
+    /// Rig: a preset's name or a FILE.toml of your own [default: the one the gains were tuned on]
+    #[arg(long)]
+    preset: Option<String>,
+    /// The wiring has passed the first-power check on this board before: do not ask for it again
+    #[arg(long)]
+    checked: bool,
+    /// Write the image of the parameter sectors to a .bin or .hex file
+    #[arg(long, value_name = "FILE", conflicts_with = "port")]
+    image: Option<PathBuf>,
+    /// Send the parameters over this serial port
+    #[arg(long, value_name = "DEVICE")]
+    port: Option<String>,
+    /// The board's chip, as probe-rs calls it
+    #[arg(long, default_value = "STM32F405RGTx")]
+    chip: String,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Document {
+    preset: String,
+    gains: GainsFile,
+    address: u32,
+    bytes: usize,
+    done: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warning: Option<String>,
+}
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let gains = GainsFile::load(&args.gains)?;
+    let named = rig::load(preset(args, &gains)?)?;
+    let mut parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
+    parameters.checked = args.checked;
+    let image = flash::image(&parameters)?;
+    let warning = not_a_rig(&named.name, &gains);
+    if let Some(warning) = &warning {
+        eprintln!("warning: {warning}");
+    }
+    let done = match (&args.image, &args.port) {
+        (Some(path), _) => write_image(path, &image)?,
+        (None, Some(port)) => send(port, &parameters)?,
+        (None, None) => program(args, &image)?,
+    };
+    if args.json {
+        let bytes = image.len();
+        print_json(&Document { preset: named.name, gains, address: IMAGE_ADDRESS, bytes, done, warning })
+    } else {
+        print(&format!("{done}\n"))
+    }
+}
+
+/// The preset to take the rig from.
+fn preset<'a>(args: &'a Args, gains: &'a GainsFile) -> Outcome<&'a str> {
+    match (&args.preset, &gains.provenance) {
+        (Some(name), _) => Ok(name),
+        (None, Some(provenance)) => Ok(&provenance.preset),
+        (None, None) => Err(Failure::Input(format!(
+            "--preset is missing, and {} does not say which rig it was tuned on; name the rig, such as --preset aero2",
+            args.gains
+        ))),
+    }
+}
+
+/// Gains of a rig that nobody has.
+fn not_a_rig(preset: &str, gains: &GainsFile) -> Option<String> {
+    let tuned = gains.provenance.as_ref().map_or(preset, |provenance| &provenance.preset);
+    let on_paper = |name: &str| matches!(name, "paper" | "paper-fixed");
+    if on_paper(tuned) || on_paper(preset) {
+        let name = if on_paper(tuned) { tuned } else { preset };
+        return Some(format!(
+            "these gains are for preset '{name}', whose plant is the paper's and not that of any rig: tune on aero, aero2, \
+             aero-lab, heli or a preset of your own rig before you fly"
+        ));
+    }
+    (tuned != preset).then(|| format!("these gains were tuned on '{tuned}', not on '{preset}'"))
+}
+
+fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
+    output::check("--image", path)?;
+    let bytes = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("bin") => image.to_vec(),
+        Some("hex") => flash::intel_hex(image).into_bytes(),
+        _ => {
+            return Err(Failure::Input(format!(
+                "--image is '{}'; allowed: a file that ends in .bin or .hex",
+                path.display()
+            )));
+        }
+    };
+    output::write(path, &bytes)?;
+    Ok(format!("wrote {} ({} bytes for {IMAGE_ADDRESS:#x})", path.display(), image.len()))
+}
+
+fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
+    let port = serialport::new(name, BAUD)
+        .timeout(Duration::from_millis(50))
+        .open()
+        .map_err(|error| Failure::Run(format!("--port {name} cannot be opened: {error}")))?;
+    let mut board = Board::new(port);
+    let identity = board.identify()?;
+    board.write(parameters)?;
+    Ok(format!(
+        "{} with firmware {} keeps the parameters; they read back the same",
+        identity.chip, identity.firmware
+    ))
+}
+
+/// By the probe, if there is one.
+fn program(args: &Args, image: &[u8]) -> Outcome<String> {
+    let listed = Command::new("probe-rs").arg("list").output();
+    let reason = match &listed {
+        Err(_) => Some("the program probe-rs is not there"),
+        Ok(output) if !String::from_utf8_lossy(&output.stdout).contains("[0]") => {
+            Some("no debug probe is connected")
+        }
+        Ok(_) => None,
+    };
+    if let Some(reason) = reason {
+        return Err(Failure::Run(format!(
+            "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image parameters.bin`, then \
+             `probe-rs download --chip {chip} --binary-format bin --base-address {IMAGE_ADDRESS:#x} parameters.bin`. Over the \
+             serial link: `host-sim flash {gains} --preset {preset} --port DEVICE`",
+            gains = args.gains,
+            preset = args.preset.as_deref().unwrap_or("PRESET"),
+            chip = args.chip,
+        )));
+    }
+    let failed = |error: std::io::Error| Failure::Run(format!("probe-rs cannot be run: {error}"));
+    let file = tempfile::Builder::new().suffix(".bin").tempfile().map_err(failed)?;
+    std::fs::write(file.path(), image).map_err(failed)?;
+    let status = Command::new("probe-rs")
+        .args(["download", "--chip", &args.chip, "--binary-format", "bin", "--base-address"])
+        .arg(format!("{IMAGE_ADDRESS:#x}"))
+        .arg(file.path())
+        .stdout(std::process::Stdio::null())
+        .status()
+        .map_err(failed)?;
+    if status.success() {
+        Ok(format!("programmed {} bytes at {IMAGE_ADDRESS:#x} of the {}", image.len(), args.chip))
+    } else {
+        Err(Failure::Run(format!("probe-rs ended with {status}")))
+    }
+}

@@ -1,0 +1,242 @@
+//! The program as people use it: flags, files, exit status.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+fn host_sim(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_host-sim")).args(args).current_dir(folder).output().unwrap()
+}
+
+fn json(folder: &Path, args: &[&str]) -> Value {
+    let output = host_sim(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty(), "progress goes to terminals only");
+    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+}
+
+const SMALL: [&str; 4] = ["--population", "12", "--iterations", "3"];
+
+#[test]
+fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let gains = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let good = "controller = \"backstepping\"\n[pitch]\nposition = 4.2\nrate = 24.6\n[yaw]\nposition = 2.28\nrate = 10.8\n";
+    gains("missing.toml", &good.replace("rate = 10.8\n", ""));
+    gains("misspelt.toml", &good.replace("rate = 10.8", "rat = 10.8"));
+    gains("negative.toml", &good.replace("10.8", "-10.8"));
+    gains("nan.toml", &good.replace("10.8", "nan"));
+    let cases: &[(&[&str], &str)] = &[
+        (&["simulate", "--preset", "areo"], "did you mean 'aero'"),
+        (&["simulate", "--scenario", "stop"], "did you mean 'step'"),
+        (&["tune", "--algorithm", "fpa-papr"], "did you mean 'fpa-paper'"),
+        (&["simulate", "--gains", "missing.toml"], "missing field `rate`"),
+        (&["simulate", "--gains", "misspelt.toml"], "unknown field `rat`"),
+        (&["simulate", "--gains", "negative.toml"], "yaw.rate is -10.8"),
+        (&["simulate", "--gains", "nan.toml"], "yaw.rate is NaN"),
+        (&["simulate", "--gains", "nowhere.toml"], "no such file"),
+        (&["simulate", "--preset", "nowhere.toml"], "nowhere.toml: cannot be read"),
+        (&["simulate", "--duration", "-1"], "--duration is -1"),
+        (&["simulate", "--duration", "NaN"], "--duration is NaN"),
+        (&["simulate", "--duration", "1e9"], "duration is 1000000000"),
+        (&["simulate", "--duration", "soon"], "invalid value 'soon'"),
+        (&["simulate", "--initial", "1;2"], "--initial is '1;2'"),
+        (&["simulate", "--window", "5,1", "--disturbance", "1"], "window's end is 1"),
+        (&["simulate", "--hold", "0", "--disturbance", "1"], "--hold is 0"),
+        (&["simulate", "--csv", "no/such/folder.csv"], "no folder 'no/such'"),
+        (&["simulate", "--plot", "picture.gif"], "ends in .svg or .png"),
+        (&["simulate", "--threads", "0"], "--threads is 0"),
+        (&["simulate", "--rotor-lag", "inf"], "--rotor-lag is inf"),
+        (&["tune", "--population", "0"], "--population is 0"),
+        (&["tune", "--bounds", "25,1"], "is 1; allowed: a finite number above 25"),
+        (&["tune", "--bounds", "-1,25"], "is -1; allowed: a finite number above 0"),
+        (&["tune", "--out", "no/such/gains.toml"], "no folder 'no/such'"),
+        (&["tune", "--horizon", "0"], "--horizon is 0"),
+        (&["tune", "--time-limit", "-3"], "--time-limit is -3"),
+        (&["tune", "--resume"], "--checkpoint"),
+        (&["tune", "--checkpoint", "c.bin", "--resume"], "c.bin: cannot be read"),
+        (&["fly"], "unrecognized subcommand 'fly'"),
+    ];
+    let before = fs::read_dir(folder.path()).unwrap().count();
+    for (args, expected) in cases {
+        let output = host_sim(folder.path(), args);
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {told}");
+        assert!(told.contains(expected), "{args:?}: {told}");
+        assert_eq!(told.trim_end().lines().count(), 1, "{args:?}: {told}");
+        assert!(output.stdout.is_empty());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{args:?} wrote something");
+    }
+}
+
+#[test]
+fn a_full_disk_is_exit_status_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = host_sim(folder.path(), &["simulate", "--csv", "/dev/full"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: /dev/full: cannot be written"));
+}
+
+#[test]
+fn tune_writes_gains_that_simulate_flies_to_the_same_cost() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = json(folder.path(), &[&["tune", "--json", "--out", "mine.toml"][..], &SMALL].concat());
+    assert_eq!(told["evaluations"], 48);
+    assert!(told["steps_simulated"].as_u64().unwrap() + told["steps_skipped"].as_u64().unwrap() >= 48 * 5001);
+    let history = told["history"].as_array().unwrap();
+    assert!(history.windows(2).all(|w| w[1][1].as_f64() < w[0][1].as_f64()), "it only ever gets better");
+    assert_eq!(history.last().unwrap()[1], told["cost"]);
+    let figure = fs::read_to_string(folder.path().join("mine.svg")).unwrap();
+    assert!(figure.starts_with("<svg") && figure.contains("pitch θ"));
+
+    let flown = json(folder.path(), &["simulate", "--gains", "mine.toml", "--json"]);
+    let ise = flown["pitch"]["ise"].as_f64().unwrap() + flown["yaw"]["ise"].as_f64().unwrap();
+    assert_eq!(Some(ise), told["cost"].as_f64());
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    for algorithm in ["fpa-paper", "fpa-yang", "fpa-demo"] {
+        let files: Vec<Vec<u8>> = ["1", "2", "16"]
+            .iter()
+            .map(|threads| {
+                let args = [
+                    "tune",
+                    "--algorithm",
+                    algorithm,
+                    "--seed",
+                    "5",
+                    "--threads",
+                    threads,
+                    "--out",
+                    "g.toml",
+                ];
+                assert!(host_sim(folder.path(), &[&args[..], &SMALL].concat()).status.success());
+                fs::read(folder.path().join("g.toml")).unwrap()
+            })
+            .collect();
+        assert!(files.iter().all(|f| *f == files[0]));
+    }
+}
+
+#[test]
+fn simulate_writes_a_row_a_tick_and_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = [
+        "simulate",
+        "--duration",
+        "0.5",
+        "--csv",
+        "run.csv",
+        "--plot",
+        "run.png",
+        "--scenario",
+        "3",
+        "--json",
+    ];
+    let told = json(folder.path(), &args);
+    let csv = fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let mut lines = csv.lines();
+    assert_eq!(
+        lines.next(),
+        Some("t,theta,theta_dot,psi,psi_dot,theta_ref,psi_ref,v_main,v_tail,dist_main,dist_tail")
+    );
+    let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 501);
+    assert_eq!((rows[0][0], rows[500][0]), (0.0, 0.5));
+    assert_eq!(rows[0][7], told["main"]["peak_volts"].as_f64().unwrap() * rows[0][7].signum());
+    assert!(rows.iter().all(|r| r.len() == 11 && r[9].abs() <= 2.0));
+    assert_eq!(&fs::read(folder.path().join("run.png")).unwrap()[1..4], b"PNG");
+}
+
+#[test]
+fn a_preset_and_a_scenario_of_ones_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = host_sim::rig::to_toml(&twinrotor::plant::presets::AERO2);
+    fs::write(folder.path().join("mine.toml"), rig).unwrap();
+    let scenario = "duration = 2.0\n[pitch.steps]\njumps = [[0.5, 5.0]]\n[yaw.sine]\namplitude_deg = 10.0\nfrequency = 1.0\n";
+    fs::write(folder.path().join("gentle.toml"), scenario).unwrap();
+    let told = json(
+        folder.path(),
+        &["simulate", "--preset", "mine.toml", "--scenario", "gentle.toml", "--fidelity", "rig", "--json"],
+    );
+    let same = json(
+        folder.path(),
+        &["simulate", "--preset", "aero2", "--scenario", "gentle.toml", "--fidelity", "rig", "--json"],
+    );
+    assert_eq!(told["pitch"], same["pitch"]);
+    assert!(told["yaw"]["settling_time_2"].is_null(), "a sine has no step to settle on");
+}
+
+/// A search that would take minutes, at work.
+fn long_search(folder: &Path, extra: &[&str]) -> std::process::Child {
+    let args = ["tune", "--iterations", "100000", "--population", "50", "--json", "--out", "g.toml"];
+    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(args)
+        .args(extra)
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+#[test]
+fn ctrl_c_ends_promptly_with_the_best_so_far() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = long_search(folder.path(), &[]);
+    sleep(Duration::from_millis(1500));
+    let asked = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(asked.elapsed() < Duration::from_secs(10));
+    let flown = json(folder.path(), &["simulate", "--gains", "g.toml", "--json"]);
+    assert!(flown["pitch"]["ise"].as_f64().unwrap() < 0.0116);
+}
+
+#[test]
+fn a_time_limit_ends_with_the_best_so_far() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(long_search(folder.path(), &["--time-limit", "0.5"]).wait().unwrap().success());
+    assert!(folder.path().join("g.toml").exists());
+}
+
+#[test]
+fn a_killed_search_resumes_to_the_bytes_of_an_uninterrupted_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |extra: &[&str]| {
+        let args = ["tune", "--iterations", "400", "--population", "30", "--horizon", "1", "--seed", "9"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(args).args(extra).current_dir(folder.path());
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().unwrap()
+    };
+    assert!(run(&["--out", "whole.toml"]).wait().unwrap().success());
+
+    let checkpointed = ["--out", "parts.toml", "--checkpoint", "state.bin"];
+    // However far a run gets before it is cut off, and on however many threads the next one goes on.
+    assert!(run(&[&checkpointed[..], &["--time-limit", "0.2"]].concat()).wait().unwrap().success());
+    for (threads, wait) in [("1", 150), ("16", 400)] {
+        let mut killed = run(&[&checkpointed[..], &["--resume", "--threads", threads]].concat());
+        sleep(Duration::from_millis(wait));
+        let _ = killed.kill();
+        killed.wait().unwrap();
+    }
+    assert!(run(&[&checkpointed[..], &["--resume"]].concat()).wait().unwrap().success());
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("whole.toml"), read("parts.toml"));
+
+    // What exists is not written over unasked; what is foreign or damaged is refused.
+    assert_eq!(run(&checkpointed).wait().unwrap().code(), Some(2));
+    let foreign = [&checkpointed[..], &["--resume", "--bounds", "1,24"]].concat();
+    assert_eq!(run(&foreign).wait().unwrap().code(), Some(2));
+    let mut bytes = read("state.bin");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(folder.path().join("state.bin"), bytes).unwrap();
+    assert_eq!(run(&[&checkpointed[..], &["--resume"]].concat()).wait().unwrap().code(), Some(2));
+}
