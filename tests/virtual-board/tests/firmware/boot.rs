@@ -9,7 +9,7 @@ use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Setup;
 use virtual_board::station::Station;
 
-use super::{board_with, firmware, make_ready, parameters, start};
+use super::{board_with, firmware, make_ready, parameters, rest, start};
 
 #[test]
 fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
@@ -46,7 +46,7 @@ fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
     unchecked.checked = false;
     let mut station = board_with(&rig, &unchecked);
     station.machine.rig(move |helicopter: &mut Helicopter| spoil(helicopter));
-    station.run(400);
+    rest(&mut station);
     station.send(&ToBoard::Control(Wish::Zero));
     station.run(100);
     assert_eq!(station.heard.conditions(), [Condition::NotChecked]);

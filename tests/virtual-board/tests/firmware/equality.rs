@@ -113,7 +113,7 @@ fn assert_equal(rig: &Rig, setpoints: &[PerAxis<f32>]) {
         let frame = frames.next_if(|frame| frame.tick == tick);
         if let Some(frame) = frame
             && tick >= zeroed
-            && bits(frame) != bits(&computed.1.frame)
+            && bits(frame) != bits(&computed.0.frame())
             && let Some(&setpoint) = waiting.next()
         {
             // A setpoint that came over the link comes into this tick.
@@ -122,8 +122,13 @@ fn assert_equal(rig: &Rig, setpoints: &[PerAxis<f32>]) {
         if let Some(frame) = frame
             && tick >= zeroed
         {
-            assert_eq!(bits(frame), bits(&computed.1.frame), "tick {tick}: {frame:?} {:?}", computed.1.frame);
-            assert_eq!(frame.state, computed.1.frame.state, "tick {tick}");
+            assert_eq!(
+                bits(frame),
+                bits(&computed.0.frame()),
+                "tick {tick}: {frame:?} {:?}",
+                computed.0.frame()
+            );
+            assert_eq!(frame.state, computed.0.frame().state, "tick {tick}");
         }
         let expected = host.take(computed);
         assert_eq!(compare, expected, "compare values latched at tick {tick}");

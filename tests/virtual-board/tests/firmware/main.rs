@@ -13,6 +13,7 @@ use std::sync::OnceLock;
 
 use twinrotor::axes::PerAxis;
 use twinrotor::control_loop::Wish;
+use twinrotor::first_power::STILL_TICKS;
 use twinrotor::gains::PAPER;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::ram_flash::RamFlash;
@@ -63,10 +64,16 @@ fn start(setup: Setup, rig: &Rig) -> Station {
     Station::new(Machine::start(setup, Helicopter::new(rig, supply)))
 }
 
+/// Lets the rig lie for as long as it must before it may be zeroed.
+#[track_caller]
+fn rest(station: &mut Station) {
+    station.run(u64::from(STILL_TICKS) + 100);
+}
+
 /// Lets a board with good parameters boot, and zeroes it where it rests.
 #[track_caller]
 fn make_ready(station: &mut Station) {
-    station.run(400);
+    rest(station);
     station.send(&ToBoard::Control(Wish::Zero));
     station.await_state(200, State::Ready);
 }
