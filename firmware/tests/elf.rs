@@ -65,7 +65,7 @@ impl Firmware {
                 s.kind() == SectionKind::Text && (s.address()..s.address() + s.size()).contains(&address)
             })
             .expect("code");
-        let offset = (address - section.address()) as usize;
+        let offset = usize::try_from(address - section.address()).expect("a 64-bit host");
         let bytes = section.data().expect("readable");
         u16::from_le_bytes([bytes[offset], bytes[offset + 1]])
     }

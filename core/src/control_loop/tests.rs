@@ -232,7 +232,8 @@ fn an_infinite_torque_gives_no_volts_and_a_fault_one_tick_later() {
 
 #[test]
 fn supply_current_limit_and_silence_count_from_their_stated_tick_on() {
-    let cases: [(Condition, u32, fn(&mut Bench)); 3] = [
+    type Spoil = fn(&mut Bench);
+    let cases: [(Condition, u32, Spoil); 3] = [
         (Condition::SupplyRange, SUPPLY_TICKS, |bench| bench.supply = 5.0),
         (Condition::CurrentLimit, CURRENT_TICKS, |bench| bench.current_limit = true),
         (Condition::CommandTimeout, 500, |bench| bench.heard = false),
