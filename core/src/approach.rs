@@ -12,6 +12,8 @@ use crate::reference::Reference;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
     setpoint: Reference<f32>,
+    /// It has a rate or an acceleration.
+    moves: bool,
     /// \[rad\] Reference minus setpoint.
     offset: PerAxis<f32>,
     /// \[rad/s\]
@@ -24,18 +26,20 @@ impl Approach {
     /// Level, and nothing left of the way; `rate` [rad/s] is that of the way, `sample_time` in s.
     #[must_use]
     pub fn new(rate: f32, sample_time: f32) -> Self {
-        Self { setpoint: Reference::default(), offset: PerAxis::zero(), rate, sample_time }
+        Self { setpoint: Reference::default(), moves: false, offset: PerAxis::zero(), rate, sample_time }
     }
 
     /// The way begins at `angle` [rad].
     pub fn begin(&mut self, angle: PerAxis<f32>) {
         self.setpoint = Reference::at_rest(self.setpoint.angle);
+        self.moves = false;
         self.offset = angle.minus(self.setpoint.angle);
     }
 
     /// Forgets the setpoint: level, at rest.
     pub fn level(&mut self) {
         self.setpoint = Reference::default();
+        self.moves = false;
     }
 
     /// A new setpoint; one that is not finite is ignored.
@@ -43,6 +47,7 @@ impl Approach {
         let parts = [setpoint.angle, setpoint.rate, setpoint.accel];
         if parts.iter().all(|part| part.pitch.is_finite() && part.yaw.is_finite()) {
             self.setpoint = setpoint;
+            self.moves = setpoint != Reference::at_rest(setpoint.angle);
         }
     }
 
@@ -55,20 +60,32 @@ impl Approach {
     /// The reference of this tick.
     #[inline(always)]
     pub fn step(&mut self) -> Reference<f32> {
+        let closing = if self.offset == PerAxis::zero() { PerAxis::zero() } else { self.close_in() };
+        let now = self.setpoint;
+        if self.moves {
+            self.move_on();
+        }
+        Reference { angle: now.angle.plus(self.offset), rate: now.rate.plus(closing), accel: now.accel }
+    }
+
+    /// The setpoint of the next tick.
+    fn move_on(&mut self) {
+        let (now, t) = (self.setpoint, self.sample_time);
+        self.setpoint.angle = now.angle.plus(now.rate.plus(now.accel.scaled(0.5 * t)).scaled(t));
+        self.setpoint.rate = now.rate.plus(now.accel.scaled(t));
+    }
+
+    /// Shortens the way by one tick's; gives the rate [rad/s] at which it goes on.
+    fn close_in(&mut self) -> PerAxis<f32> {
         let reach = self.rate * self.sample_time;
         let left = self.offset.map(|offset| offset - Real::clamp(offset, -reach, reach));
+        self.offset = left;
         // Where the way has ended, or is so short that it is a jump, the reference rests.
-        let closing = left.map(|left| match left {
+        left.map(|left| match left {
             left if left > 0.0 => -self.rate,
             left if left < 0.0 => self.rate,
             _ => 0.0,
-        });
-        self.offset = left;
-        let now = self.setpoint;
-        let (t, half) = (self.sample_time, 0.5 * self.sample_time);
-        self.setpoint.angle = now.angle.plus(now.rate.plus(now.accel.scaled(half)).scaled(t));
-        self.setpoint.rate = now.rate.plus(now.accel.scaled(t));
-        Reference { angle: now.angle.plus(left), rate: now.rate.plus(closing), accel: now.accel }
+        })
     }
 }
 

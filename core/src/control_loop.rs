@@ -155,10 +155,12 @@ impl ControlLoop {
     #[inline(never)]
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
         let (measured, moved) = self.read_encoders(inputs.counters);
-        let estimate = self.pipeline.estimate(measured, self.latched);
+        let mut estimate = self.pipeline.estimate(measured, self.latched);
         self.find_conditions(inputs, &estimate, moved);
-        let estimate = self.supervise(inputs.wish, measured).unwrap_or(estimate);
-        let reference = self.follow(inputs.wish);
+        if self.supervise(inputs.wish.as_ref(), measured) {
+            estimate = self.pipeline.estimate(measured, self.latched);
+        }
+        let reference = self.follow(inputs.wish.as_ref());
         self.decide(estimate, reference, measured);
         self.supply = inputs.supply;
         let duty = self.drive.duty(self.command.allocation.volts, inputs.supply);
@@ -199,18 +201,18 @@ impl ControlLoop {
             .with(Condition::NotChecked, !self.checked);
     }
 
-    /// Moves the supervisor. At a change of state the estimator starts afresh, at arming reference and monitor too; then
-    /// this is the new first estimate.
-    fn supervise(&mut self, wish: Option<Wish>, measured: PerAxis<f32>) -> Option<Estimate<f32>> {
+    /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so do reference and
+    /// monitor.
+    fn supervise(&mut self, wish: Option<&Wish>, measured: PerAxis<f32>) -> bool {
         let before = self.supervisor.state();
         let request = match (self.verdict.take(), wish) {
             (Some(_), _) => Some(Request::Disarm),
-            (None, Some(Wish::Request(request))) => Some(request),
+            (None, Some(Wish::Request(request))) => Some(*request),
             _ => None,
         };
         let now = self.supervisor.step(self.conditions, request);
         if now == before {
-            return None;
+            return false;
         }
         self.fault = false;
         self.pipeline = Pipeline::new(&self.settings, measured);
@@ -223,12 +225,12 @@ impl ControlLoop {
             _ if before == State::Armed => self.approach.level(),
             _ => {}
         }
-        Some(self.pipeline.estimate(measured, self.latched))
+        true
     }
 
-    fn follow(&mut self, wish: Option<Wish>) -> Reference<f32> {
+    fn follow(&mut self, wish: Option<&Wish>) -> Reference<f32> {
         match wish {
-            Some(Wish::Setpoint(setpoint)) => self.approach.aim(setpoint),
+            Some(Wish::Setpoint(setpoint)) => self.approach.aim(*setpoint),
             Some(Wish::Zero) if self.still >= STILL_TICKS && !self.supervisor.state().motors_may_turn() => {
                 self.zero();
             }

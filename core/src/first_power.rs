@@ -136,11 +136,12 @@ impl FirstPowerCheck {
             }
             Phase::Push(motor) => {
                 let moved = angle.minus(self.start);
-                let far = moved.pitch.abs().max(moved.yaw.abs()) > FAR_ENOUGH;
+                let farthest = Real::max(moved.pitch.abs(), moved.yaw.abs());
+                let far = farthest > FAR_ENOUGH;
                 if !far && self.ticks < PUSH_TICKS {
                     return (only(motor, self.volts), None);
                 }
-                if !(moved.pitch.abs().max(moved.yaw.abs()) > LEAST_MOTION) {
+                if farthest <= LEAST_MOTION {
                     self.enter(Phase::Done);
                     return (PerMotor::zero(), Some(Verdict::NoMotion { motor }));
                 }

@@ -15,7 +15,7 @@
 use crate::axes::{PerAxis, PerMotor};
 use crate::estimator::{Estimate, bilinear_decay};
 use crate::parameters::Parameters;
-use crate::plant::{Effectiveness, RigidBody, State};
+use crate::plant::Effectiveness;
 use crate::real::Real;
 use crate::supervisor::{Condition, Conditions};
 
@@ -31,6 +31,8 @@ pub const LOAD_WINDOW: f32 = 1.0;
 pub const MOTION_PUSH: f32 = 0.2;
 /// Share of the expected motion that must be seen. Generous: constants are wrong by 30 %, lags by 100 ms.
 pub const MOTION_SHARE: f32 = 0.1;
+/// \[ticks\] From one comparison to the next: motion is slow, a tick's time is dear.
+pub const MOTION_EVERY: u32 = 4;
 /// \[ticks\] How long the two must disagree.
 pub const MOTION_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
@@ -68,6 +70,8 @@ pub struct Seen<'a> {
 pub struct Monitor {
     limits: Bounds,
     motion: Motion,
+    until_motion: u32,
+    disagrees: PerAxis<bool>,
     supply: Persistence,
     current: Persistence,
     silent: u32,
@@ -105,6 +109,8 @@ impl Monitor {
                 command_timeout: limits.command_timeout,
             },
             motion: Motion::new(parameters),
+            until_motion: MOTION_EVERY,
+            disagrees: PerAxis::both(false),
             supply: Persistence { ticks: SUPPLY_TICKS },
             current: Persistence::default(),
             silent: 0,
@@ -114,6 +120,7 @@ impl Monitor {
     /// Arming starts afresh: no motion is expected yet, and the host has just spoken.
     pub fn restart(&mut self) {
         self.motion.restart();
+        self.disagrees = PerAxis::both(false);
         self.silent = 0;
     }
 
@@ -126,17 +133,23 @@ impl Monitor {
         let outside = !(seen.supply >= b.supply_low && seen.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
         let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;
-        let disagrees = self.motion.disagrees(seen);
+        // One NaN or infinity makes the sum one; rates and angles of this world do not overflow it.
+        let sum = (state.angle.pitch + state.angle.yaw) + (state.rate.pitch + state.rate.yaw);
+        self.until_motion = self.until_motion.wrapping_sub(1);
+        if self.until_motion == 0 {
+            self.until_motion = MOTION_EVERY;
+            self.disagrees = self.motion.disagrees(seen);
+        }
         self.silent = if seen.heard { 0 } else { self.silent.saturating_add(1) };
         let silent = seen.armed && self.silent >= b.command_timeout;
         Conditions::NONE
             .with(Condition::PitchJump, jumped.pitch)
             .with(Condition::YawJump, jumped.yaw)
-            .with(Condition::PitchMotion, seen.armed && disagrees.pitch)
-            .with(Condition::YawMotion, seen.armed && disagrees.yaw)
+            .with(Condition::PitchMotion, seen.armed && self.disagrees.pitch)
+            .with(Condition::YawMotion, seen.armed && self.disagrees.yaw)
             .with(Condition::AngleEnvelope, steep)
             .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
-            .with(Condition::NonFinite, seen.fault || !state.is_finite())
+            .with(Condition::NonFinite, seen.fault || !sum.is_finite())
             .with(Condition::SupplyRange, self.supply.over(outside, SUPPLY_TICKS))
             .with(Condition::CurrentLimit, self.current.over(seen.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)
@@ -163,9 +176,18 @@ impl Persistence {
 /// With the model's acceleration a, pushed = a T/(s T + 1); with the estimated rate v, shown = v s T/(s T + 1). For a true
 /// model the two are the same. A second wash-out s L/(s L + 1) takes out what lasts: a wrong weight, a hand, a disturbance. A stuck encoder shows nothing, one with its sign swapped the opposite. A rig that rests
 /// nose down lies on a stop which the model does not know: there, a push further down counts as none.
+///
+/// The model is linearised about the horizontal: what that gets wrong lasts, and is washed out as well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Motion {
-    model: RigidBody<f32>,
+    /// \[N m\] m g L.
+    weight: f32,
+    /// \[N m/rad\]
+    stiffness: f32,
+    /// \[N m s/rad\]
+    damping: PerAxis<f32>,
+    /// \[1/(kg m²)\]
+    inverse_inertia: PerAxis<f32>,
     linear: Effectiveness<f32>,
     quadratic: Effectiveness<f32>,
     /// \[N m/V\] On the other axis, for each volt that a rotor has yet to follow.
@@ -174,38 +196,45 @@ struct Motion {
     /// Wash-out for one tick.
     keep: f32,
     keep_load: f32,
-    sample_time: f32,
+    /// \[s\] From one comparison to the next.
+    step: f32,
     /// \[rad\] Below this pitch the rig may lie on its stop.
     stop: f32,
     /// \[rad/s\] From where on a push counts.
     least: PerAxis<f32>,
     rotor_volts: PerMotor<f32>,
     slow_rate: PerAxis<f32>,
-    pushed: Load,
-    shown: Load,
+    pushed: PerAxis<f32>,
+    pushed_load: Load,
+    shown_load: Load,
     disagreement: PerAxis<Persistence>,
 }
 
 impl Motion {
     fn new(parameters: &Parameters) -> Self {
         let s = &parameters.settings;
+        #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
+        let step = s.sample_time * MOTION_EVERY as f32;
         let k = &s.effectiveness;
         let reach = k.map(f32::abs).torque(s.volts_limit);
-        let model = RigidBody::new(&s.model);
-        let inertia = model.at(&State::default()).inertia;
+        let moment = s.model.mass * s.model.center_of_mass;
+        let inertia = s.model.inertia.map(|i| i + moment * s.model.center_of_mass);
         let pitch = &parameters.encoders.pitch;
         let tau = s.model.rotor_time_constant;
-        let decay = |tau: f32| if tau > 0.0 { bilinear_decay(s.sample_time / tau).max(0.0) } else { 0.0 };
+        let decay = |tau: f32| if tau > 0.0 { Real::max(bilinear_decay(step / tau), 0.0) } else { 0.0 };
         let least = reach.zip(inertia, |torque, inertia| MOTION_PUSH * MOTION_WINDOW * torque / inertia);
         Self {
-            model,
+            weight: moment * s.model.gravity,
+            stiffness: s.model.stiffness,
+            damping: s.model.damping,
+            inverse_inertia: inertia.map(|i| 1.0 / i),
             linear: s.model.effectiveness,
             quadratic: s.model.quadratic_effectiveness,
             reaction: s.model.rotor_reaction.zip(tau, |r, tau| if tau > 0.0 { r / tau } else { 0.0 }),
             rotor_decay: tau.map(decay),
-            keep: bilinear_decay(s.sample_time / MOTION_WINDOW),
-            keep_load: bilinear_decay(s.sample_time / LOAD_WINDOW),
-            sample_time: s.sample_time,
+            keep: bilinear_decay(step / MOTION_WINDOW),
+            keep_load: bilinear_decay(step / LOAD_WINDOW),
+            step,
             stop: if pitch.rest_counts < 0 {
                 f32::from_i32(pitch.rest_counts) * pitch.angle_per_count + STOP_MARGIN
             } else {
@@ -216,16 +245,18 @@ impl Motion {
             }),
             rotor_volts: PerMotor::zero(),
             slow_rate: PerAxis::zero(),
-            pushed: Load::default(),
-            shown: Load::default(),
+            pushed: PerAxis::zero(),
+            pushed_load: Load::default(),
+            shown_load: Load::default(),
             disagreement: PerAxis::both(Persistence::default()),
         }
     }
 
     fn restart(&mut self) {
         self.rotor_volts = PerMotor::zero();
-        self.pushed = Load::default();
-        self.shown = Load::default();
+        self.pushed = PerAxis::zero();
+        self.pushed_load = Load::default();
+        self.shown_load = Load::default();
         self.disagreement = PerAxis::both(Persistence::default());
     }
 
@@ -239,37 +270,39 @@ impl Motion {
         let reaction = PerAxis::new(self.reaction.tail * behind.tail, self.reaction.main * behind.main);
         let thrust = self.linear.torque(acting).plus(self.quadratic.torque(acting.map(|v| v * v.abs())));
         let torque = thrust.plus(reaction);
-        let mut accel = self.model.at(state).accel(torque);
-        if state.angle.pitch < self.stop {
-            accel.pitch = accel.pitch.max(0.0);
+        let drag = self.damping.zip(rate, |d, v| d * v);
+        let pull = PerAxis::new(self.weight + self.stiffness * state.angle.pitch, 0.0);
+        let mut accel = torque.minus(drag).minus(pull).zip(self.inverse_inertia, |t, i| t * i);
+        if state.angle.pitch < self.stop && accel.pitch < 0.0 {
+            accel.pitch = 0.0;
         }
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
-        self.pushed.value = self.pushed.value.scaled(self.keep).plus(accel.scaled(self.sample_time));
-        self.shown.value = rate.minus(self.slow_rate);
-        let pushed = self.pushed.wash_out(self.keep_load);
-        let shown = self.shown.wash_out(self.keep_load);
+        self.pushed = self.pushed.scaled(self.keep).plus(accel.scaled(self.step));
+        let pushed = self.pushed_load.wash_out(self.pushed, self.keep_load);
+        let shown = self.shown_load.wash_out(rate.minus(self.slow_rate), self.keep_load);
         PerAxis {
             pitch: self
                 .disagreement
                 .pitch
-                .over(contradicts(pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS),
-            yaw: self.disagreement.yaw.over(contradicts(pushed.yaw, shown.yaw, self.least.yaw), MOTION_TICKS),
+                .over(contradicts(pushed.pitch, shown.pitch, self.least.pitch), MOTION_TICKS / MOTION_EVERY),
+            yaw: self
+                .disagreement
+                .yaw
+                .over(contradicts(pushed.yaw, shown.yaw, self.least.yaw), MOTION_TICKS / MOTION_EVERY),
         }
     }
 }
 
-/// A motion and what of it lasts.
+/// What of a motion lasts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Load {
-    value: PerAxis<f32>,
-    lasting: PerAxis<f32>,
-}
+struct Load(PerAxis<f32>);
 
 impl Load {
+    /// `motion` without it.
     #[inline(always)]
-    fn wash_out(&mut self, keep: f32) -> PerAxis<f32> {
-        self.lasting = self.value.plus(self.lasting.minus(self.value).scaled(keep));
-        self.value.minus(self.lasting)
+    fn wash_out(&mut self, motion: PerAxis<f32>, keep: f32) -> PerAxis<f32> {
+        self.0 = motion.plus(self.0.minus(motion).scaled(keep));
+        motion.minus(self.0)
     }
 }
 

@@ -75,7 +75,7 @@ pub(crate) fn read_and_clear() -> Option<ResetReport> {
 /// Ends the program.
 fn end(cause: Condition, program_counter: u32) -> ! {
     board::amplifiers_off();
-    let code = CAUSES.iter().position(|&known| known == cause).map_or(u32::MAX, |code| code as u32);
+    let code = (0..).zip(CAUSES).find(|&(_, known)| known == cause).map_or(u32::MAX, |(code, _)| code);
     let ticks = TICKS.load(Ordering::Relaxed);
     let check = MAGIC ^ code ^ program_counter ^ ticks;
     #[expect(unsafe_code, reason = "the record in RAM")]

@@ -29,7 +29,8 @@ const TOO_LATE: u32 = 168_000 * 3 / 2;
 struct Tick {
     port: EncoderPwmPort,
     control: ControlLoop,
-    provenance: Provenance,
+    /// What the parameters' provenance says against arming.
+    standing: Conditions,
     orders: Consumer<'static, Order>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
@@ -65,7 +66,9 @@ pub(crate) fn start(
     let tick = Tick {
         port,
         control,
-        provenance,
+        standing: Conditions::NONE
+            .with(Condition::ParametersInvalid, provenance == Provenance::Invalid)
+            .with(Condition::ParametersMissing, provenance == Provenance::Missing),
         orders,
         frames,
         verdicts,
@@ -104,7 +107,7 @@ impl Tick {
                 // The motors are off and stay off: this tick has no other work.
                 self.port.write(PerMotor::default(), false);
                 self.control.adopt(parameters, self.port.counters(), self.port.drive());
-                self.provenance = Provenance::Stored;
+                self.standing = Conditions::NONE;
             }
             Some(Order::Wish(wish)) => {
                 let wish = Some(*wish);
@@ -116,7 +119,10 @@ impl Tick {
         let _ = self.orders.dequeue();
         LED_PATTERN.store(led::pattern(self.control.state()), Ordering::Relaxed);
         TICKS.store(self.control.next_tick(), Ordering::Relaxed);
-        TICK_CYCLES_MAX.fetch_max(DWT::cycle_count().wrapping_sub(begin), Ordering::Relaxed);
+        let cycles = DWT::cycle_count().wrapping_sub(begin);
+        if cycles > TICK_CYCLES_MAX.load(Ordering::Relaxed) {
+            TICK_CYCLES_MAX.store(cycles, Ordering::Relaxed);
+        }
         self.overrun = amplifier::tick_due();
         if sensed.fresh && !self.overrun && !missed {
             watchdog::feed();
@@ -129,14 +135,13 @@ impl Tick {
             counters: self.port.counters(),
             supply: sensed.supply,
             current_limit: sensed.current_limit,
-            senses: Conditions::NONE
+            senses: self
+                .standing
                 .with(Condition::EmergencyStop, sensed.emergency_stop)
                 .with(Condition::SensorStale, !sensed.fresh)
                 .with(Condition::TickOverrun, self.overrun | missed)
                 .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed))
-                .with(Condition::Saving, maintenance == Maintenance::Granted)
-                .with(Condition::ParametersInvalid, self.provenance == Provenance::Invalid)
-                .with(Condition::ParametersMissing, self.provenance == Provenance::Missing),
+                .with(Condition::Saving, maintenance == Maintenance::Granted),
             heard: HEARD.swap(false, Ordering::Relaxed),
             wish,
         });

@@ -106,14 +106,14 @@ impl Objective {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn fly_ideal(objective: &Objective, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
     let start = State::at_rest(PerAxis::zero());
     let closed_loop = IdealLoop::new(&objective.rig, settings, start, SAMPLE_TIME);
     integrate(objective, closed_loop, bounds)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn fly_rig(objective: &Objective, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
     let start = State::at_rest(PerAxis::zero());
     let plant = RealPlant::new(&objective.rig.plant, start, SAMPLE_TIME);

@@ -26,6 +26,7 @@ pub const SLOT_SIZE: usize = 1024;
 /// The longest payload, in bytes.
 pub const MAX_PAYLOAD: usize = SLOT_SIZE - HEADER - CRC_SIZE;
 
+const SLOT_BYTES: u32 = bytes(SLOT_SIZE);
 const HEADER: usize = 8;
 const CRC_SIZE: usize = 4;
 const WORD: usize = 4;
@@ -65,7 +66,8 @@ struct Found {
 }
 
 impl<F: NorFlash> Store<F> {
-    const SLOTS: u32 = (F::ERASE_SIZE / SLOT_SIZE) as u32;
+    const PAGE_BYTES: u32 = bytes(F::ERASE_SIZE);
+    const SLOTS: u32 = Self::PAGE_BYTES / SLOT_BYTES;
     const FITS: () = assert!(F::ERASE_SIZE.is_multiple_of(SLOT_SIZE) && WORD.is_multiple_of(F::WRITE_SIZE));
 
     /// The area of [`PAGES`] erase pages of `flash` from the byte offset `base` on.
@@ -104,9 +106,8 @@ impl<F: NorFlash> Store<F> {
         let newest = self.newest(buffer)?;
         let (page, slot) = self.free_slot(newest, buffer)?;
         let sequence = newest.map_or(0, |found| found.sequence.wrapping_add(1));
-        let bytes = frame(sequence, new, buffer);
         let address = self.address(page, slot);
-        self.flash.write(address, bytes)?;
+        self.flash.write(address, frame(sequence, new, buffer))?;
         self.flash.read(address, buffer)?;
         match payload(buffer) {
             Some((read, payload)) if read == sequence && payload == new => Ok(()),
@@ -115,7 +116,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     fn address(&self, page: u32, slot: u32) -> u32 {
-        self.base + page * F::ERASE_SIZE as u32 + slot * SLOT_SIZE as u32
+        self.base + page * Self::PAGE_BYTES + slot * SLOT_BYTES
     }
 
     fn newest(&mut self, buffer: &mut [u8; SLOT_SIZE]) -> Result<Option<Found>, StoreError<F::Error>> {
@@ -160,7 +161,7 @@ fn frame<'b>(sequence: u32, payload: &[u8], buffer: &'b mut [u8; SLOT_SIZE]) -> 
     let (header, body) = buffer.split_at_mut(HEADER);
     let (sequence_bytes, length_bytes) = header.split_at_mut(WORD);
     sequence_bytes.copy_from_slice(&sequence.to_le_bytes());
-    length_bytes.copy_from_slice(&(payload.len() as u32).to_le_bytes());
+    length_bytes.copy_from_slice(&bytes(payload.len()).to_le_bytes());
     for (to, from) in body.iter_mut().zip(payload) {
         *to = *from;
     }
@@ -181,6 +182,12 @@ fn payload(slot: &[u8; SLOT_SIZE]) -> Option<(u32, &[u8])> {
     let (stored, _) = slot.get(end..)?.split_first_chunk::<CRC_SIZE>()?;
     let whole = checksum(slot.get(..end)?) == u32::from_le_bytes(*stored);
     whole.then_some((u32::from_le_bytes(*sequence), body.get(..length)?))
+}
+
+/// A length on flash.
+#[expect(clippy::cast_possible_truncation, reason = "pages, slots and payloads are far below 4 GiB")]
+const fn bytes(length: usize) -> u32 {
+    length as u32
 }
 
 fn checksum(bytes: &[u8]) -> u32 {

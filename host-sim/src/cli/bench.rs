@@ -145,13 +145,7 @@ fn machine() -> String {
 
 #[cfg(target_arch = "x86_64")]
 fn instruction_set() -> &'static str {
-    if is_x86_feature_detected!("avx512f") {
-        "AVX-512"
-    } else if is_x86_feature_detected!("avx2") {
-        "AVX2"
-    } else {
-        "SSE2"
-    }
+    if is_x86_feature_detected!("avx2") { "AVX2" } else { "SSE2" }
 }
 
 #[cfg(not(target_arch = "x86_64"))]

@@ -16,8 +16,8 @@
 //! from the whole population, uniform start.
 //!
 //! Moves that change the best flower at once make the search sequential. To use many lanes and threads all the same, moves are
-//! planned ahead as if none of them improved anything; when one does, those behind it are thrown away and planned anew. The outcome
-//! is exactly the sequential one.
+//! planned ahead as if none of them improved anything; when one does, those behind it are thrown away and planned anew from the
+//! first that had looked at what changed. The outcome is exactly the sequential one.
 
 use super::{Best, Bounds, Candidate, Draws, Optimiser, levy_step};
 use rand::{Rng, RngExt};
@@ -97,12 +97,35 @@ pub struct FlowerPollination {
     /// Evaluations used; the first N are the initial flowers, then one a move.
     done: usize,
     /// What was asked for and is not told yet.
-    planned: Vec<Candidate>,
+    planned: Vec<Move>,
     /// How many moves are planned ahead.
     width: usize,
 }
 
-/// Least and most moves planned ahead: two lanes of 16 on two cores, and what amortises handing them out. Doubled when a whole plan
+/// A planned move, and what it was made from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Move {
+    candidate: Candidate,
+    /// The flowers that it looked at.
+    flowers: [usize; 3],
+    /// Did it look at the best flower?
+    best: bool,
+}
+
+/// What the moves told so far have changed, against what the plan took for granted.
+#[derive(Debug, Default)]
+struct Changed {
+    flowers: Vec<usize>,
+    best: bool,
+}
+
+impl Changed {
+    fn makes_stale(&self, planned: &Move) -> bool {
+        (self.best && planned.best) || planned.flowers.iter().any(|f| self.flowers.contains(f))
+    }
+}
+
+/// Least and most moves planned ahead: four groups of eight lanes, and what amortises handing them out. Doubled when a whole plan
 /// passed without an improvement, halved when one was cut short. Chosen by measurement; the outcome does not depend on it.
 const WIDTH: [usize; 2] = [32, 256];
 
@@ -140,28 +163,29 @@ impl FlowerPollination {
     }
 
     /// A flower as it will be when the planned moves before `ahead` are made, if none of them improves anything.
-    fn flower<'a>(&'a self, index: usize, planned: &'a [Candidate]) -> &'a [f64] {
+    fn flower<'a>(&'a self, index: usize, planned: &'a [Move]) -> &'a [f64] {
         if self.settings.variant == Variant::Paper {
             let latest = planned
                 .iter()
                 .enumerate()
                 .rev()
                 .find(|(ahead, _)| (self.done + ahead) % self.population() == index);
-            if let Some((_, candidate)) = latest {
-                return &candidate.position;
+            if let Some((_, latest)) = latest {
+                return &latest.candidate.position;
             }
         }
         &self.flowers[index]
     }
 
-    fn initial(&self, number: usize) -> Candidate {
+    fn initial(&self, number: usize) -> Move {
         let mut rng = self.draws.of_move(number);
         let parts: Vec<f64> = (0..self.bounds.dimension()).map(|_| rng.random()).collect();
-        Candidate { position: self.bounds.at(|k| parts[k]), bound: f64::INFINITY }
+        let candidate = Candidate { position: self.bounds.at(|k| parts[k]), bound: f64::INFINITY };
+        Move { candidate, flowers: [number; 3], best: false }
     }
 
     /// Move `number`, given those planned before it. Every move makes the same draws, whichever of them it uses.
-    fn pollinated(&self, number: usize, planned: &[Candidate]) -> Candidate {
+    fn pollinated(&self, number: usize, planned: &[Move]) -> Move {
         let settings = &self.settings;
         let mut rng = self.draws.of_move(number);
         let switch: f64 = rng.random();
@@ -195,11 +219,13 @@ impl FlowerPollination {
             Variant::Paper => self.best.as_ref().map_or(f64::INFINITY, |b| b.cost),
             Variant::Yang | Variant::Demo => self.costs[index],
         };
-        Candidate { position, bound }
+        let reads_best = global || settings.variant == Variant::Paper;
+        Move { candidate: Candidate { position, bound }, flowers: [index, j, k], best: reads_best }
     }
 
-    /// Takes a move's outcome; true if what comes after it must be planned anew.
-    fn commit(&mut self, candidate: Candidate, cost: f64) -> bool {
+    /// Takes a move's outcome and notes what it changed that the plan did not foresee. In Yang's form a generation looks at the one
+    /// before it, so nothing within one goes stale.
+    fn commit(&mut self, candidate: Candidate, cost: f64, changed: &mut Changed) {
         let (size, variant) = (self.population(), self.settings.variant);
         let initial = self.done < size;
         let index = self.done % size;
@@ -218,11 +244,11 @@ impl FlowerPollination {
             self.flowers[index] = candidate.position;
             self.costs[index] = cost;
         }
-        match variant {
-            _ if initial => false,
-            Variant::Paper => better,
-            Variant::Yang => false,
-            Variant::Demo => replaced,
+        if !initial && variant != Variant::Yang {
+            changed.best |= better;
+            if replaced && variant == Variant::Demo {
+                changed.flowers.push(index);
+            }
         }
     }
 }
@@ -236,30 +262,33 @@ fn two_of(rng: &mut impl Rng, size: usize) -> [usize; 2] {
 
 impl Optimiser for FlowerPollination {
     fn ask(&mut self) -> Vec<Candidate> {
-        let mut planned: Vec<Candidate> = Vec::new();
+        let mut planned: Vec<Move> = Vec::new();
         for ahead in 0..self.plan_length() {
             let number = self.done + ahead;
-            let candidate = if number < self.population() {
+            let next = if number < self.population() {
                 self.initial(number)
             } else {
                 self.pollinated(number, &planned)
             };
-            planned.push(candidate);
+            planned.push(next);
         }
-        self.planned.clone_from(&planned);
-        planned
+        let asked = planned.iter().map(|m| m.candidate.clone()).collect();
+        self.planned = planned;
+        asked
     }
 
     fn tell(&mut self, costs: &[f64]) {
         let planned = std::mem::take(&mut self.planned);
         let asked = planned.len();
         let mut used = 0;
-        for (candidate, cost) in planned.into_iter().zip(costs) {
-            used += 1;
-            let cost = if cost.is_nan() { f64::INFINITY } else { *cost };
-            if self.commit(candidate, cost) {
+        let mut changed = Changed::default();
+        for (planned, cost) in planned.into_iter().zip(costs) {
+            if changed.makes_stale(&planned) {
                 break;
             }
+            used += 1;
+            let cost = if cost.is_nan() { f64::INFINITY } else { *cost };
+            self.commit(planned.candidate, cost, &mut changed);
         }
         let [least, most] = WIDTH;
         self.width = if used == asked { (2 * self.width).min(most) } else { (self.width / 2).max(least) };
