@@ -50,7 +50,7 @@ impl<R: Real<Mask = bool>> FilterSettings<R> {
 }
 
 impl<R: Real> CommandFilter<R> {
-    /// At rest at `angle` [rad]; `sample_time` [s].
+    /// At rest at `angle` \[rad\]; `sample_time` \[s\].
     pub fn new(settings: &FilterSettings<R>, angle: PerAxis<R>, sample_time: R) -> Self {
         let three = R::from_f64(3.0);
         let square = sample_time * sample_time;

@@ -20,7 +20,7 @@ pub struct Lead<R> {
 }
 
 impl<R: Real> Lead<R> {
-    /// u [V] for `wanted` = V_d and `in_effect` = V_m, both in V.
+    /// u \[V\] for `wanted` = V_d and `in_effect` = V_m, both in V.
     #[inline(always)]
     pub fn apply(&self, wanted: PerMotor<R>, in_effect: PerMotor<R>) -> PerMotor<R> {
         in_effect.plus(wanted.minus(in_effect).scaled(self.factor))

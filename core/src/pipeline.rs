@@ -133,7 +133,7 @@ impl<R: Real> Command<R> {
 }
 
 impl<R: Real> Pipeline<R> {
-    /// Ready to start at `angle` [rad], at rest.
+    /// Ready to start at `angle` \[rad\], at rest.
     pub fn new(settings: &Settings<R>, angle: PerAxis<R>) -> Self {
         let Settings { sample_time, effectiveness, controller, .. } = *settings;
         let model = RigidBody::new(&settings.model);
@@ -155,7 +155,7 @@ impl<R: Real> Pipeline<R> {
         }
     }
 
-    /// One tick: the angles measured now [rad], the volts that act from now to the next tick, and the setpoint.
+    /// One tick: the angles measured now \[rad\], the volts that act from now to the next tick, and the setpoint.
     #[inline(always)]
     pub fn tick(
         &mut self,
@@ -167,7 +167,7 @@ impl<R: Real> Pipeline<R> {
         self.act(estimate, setpoint)
     }
 
-    /// The first half of a tick: what the angles measured now [rad] say, with `applied` [V] from now to the next tick.
+    /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to the next tick.
     #[inline(always)]
     pub fn estimate(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Estimate<R> {
         let torque = match &mut self.rotors {

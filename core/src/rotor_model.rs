@@ -26,7 +26,7 @@ struct Extra<R> {
 }
 
 impl<R: Real> RotorModel<R> {
-    /// At rest; `sample_time` [s].
+    /// At rest; `sample_time` \[s\].
     pub fn new(model: &PlantParameters<R>, sample_time: R) -> Self {
         let keep = |tau: R| ((tau + tau - sample_time) / (tau + tau + sample_time)).max(R::zero());
         let q = &model.quadratic_effectiveness;
@@ -49,7 +49,7 @@ impl<R: Real> RotorModel<R> {
         self.volts
     }
 
-    /// One tick on, with `applied` [V] from its beginning to its end: the mean torque of that time [N m].
+    /// One tick on, with `applied` \[V\] from its beginning to its end: the mean torque of that time \[N m\].
     #[inline(always)]
     pub fn advance(&mut self, applied: PerMotor<R>) -> PerAxis<R> {
         let before = self.volts;

@@ -42,7 +42,7 @@ impl<R: Real> Tick<R> {
 
 /// A closed loop that can be stepped.
 pub trait ClosedLoop<R: Real> {
-    /// One tick with `disturbance` [V] added to the volts in effect.
+    /// One tick with `disturbance` \[V\] added to the volts in effect.
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
 }
 
@@ -116,7 +116,7 @@ impl<R: Real> Encoders<R> {
         }
     }
 
-    /// Whole counts from zero at true angles [rad].
+    /// Whole counts from zero at true angles \[rad\].
     #[inline(always)]
     fn counts(&self, angle: PerAxis<R>) -> PerAxis<R> {
         let exact = angle.zip(self.counts_per_angle, |a, c| a * c);

@@ -85,7 +85,7 @@ pub struct CurrentLimit<R> {
 }
 
 impl<R: Real> CurrentLimit<R> {
-    /// With cold motors; `sample_time` [s].
+    /// With cold motors; `sample_time` \[s\].
     pub fn new(settings: CurrentLimitSettings<R>, sample_time: R) -> Self {
         let continuous = settings.continuous;
         Self {

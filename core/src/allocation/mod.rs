@@ -62,7 +62,7 @@ pub struct VoltsRange<R> {
 }
 
 impl<R: Real> VoltsRange<R> {
-    /// ±`limit` [V].
+    /// ±`limit` \[V\].
     #[inline(always)]
     pub fn within(limit: PerMotor<R>) -> Self {
         Self { low: limit.map(|v| -v), high: limit }
@@ -133,7 +133,7 @@ enum Method<R> {
 }
 
 impl<R: Real> Allocator<R> {
-    /// For thrust gains K [N m/V] with a determinant other than zero, and each motor's volts limited to ±`limit` on their own.
+    /// For thrust gains K \[N m/V\] with a determinant other than zero, and each motor's volts limited to ±`limit` on their own.
     pub fn new(effectiveness: Effectiveness<R>, limit: PerMotor<R>) -> Self {
         Self {
             effectiveness,
@@ -143,7 +143,7 @@ impl<R: Real> Allocator<R> {
         }
     }
 
-    /// The same, limiting as `settings` say; `inertia` [kg m²].
+    /// The same, limiting as `settings` say; `inertia` \[kg m²\].
     pub fn limiting(self, settings: &AllocationSettings<R>, inertia: PerAxis<R>) -> Self {
         let method = match *settings {
             AllocationSettings::Clamp => Method::Clamp,
@@ -161,7 +161,7 @@ impl<R: Real> Allocator<R> {
         self.limit
     }
 
-    /// \[V\] The volts that give `torque` [N m] exactly: eqs (28)-(29).
+    /// \[V\] The volts that give `torque` \[N m\] exactly: eqs (28)-(29).
     #[inline(always)]
     pub fn demand(&self, torque: PerAxis<R>) -> PerMotor<R> {
         let k = &self.effectiveness;
@@ -171,7 +171,7 @@ impl<R: Real> Allocator<R> {
         }
     }
 
-    /// The volts for `demand` within `range`. `hold` is the torque that keeps the pose [N m].
+    /// The volts for `demand` within `range`. `hold` is the torque that keeps the pose \[N m\].
     ///
     /// A NaN or an infinity in anything that led here ends as one in the demand (no operation on the way drops
     /// them), and then both motors get zero: a clamp would turn it into a full voltage.

@@ -25,7 +25,7 @@ pub(super) struct Weighted<R> {
 }
 
 impl<R: Real> Weighted<R> {
-    /// For thrust gains [N m/V], inertia [kg m²] and w [-].
+    /// For thrust gains \[N m/V\], inertia \[kg m²\] and w \[-\].
     pub(super) fn new(k: &Effectiveness<R>, inertia: PerAxis<R>, pitch_weight: R) -> Self {
         let pitch = [k.main_on_pitch, k.tail_on_pitch].map(|k| k * pitch_weight / inertia.pitch);
         let yaw = [k.main_on_yaw, k.tail_on_yaw].map(|k| k / inertia.yaw);

@@ -20,13 +20,13 @@ pub struct FilteredDerivative<R> {
 }
 
 impl<R: Real> FilteredDerivative<R> {
-    /// At rest at `angle` [rad]; `bandwidth` [rad/s], `sample_time` [s].
+    /// At rest at `angle` \[rad\]; `bandwidth` \[rad/s\], `sample_time` \[s\].
     pub fn new(bandwidth: PerAxis<R>, angle: PerAxis<R>, sample_time: R) -> Self {
         let keep = bandwidth.map(|w| bilinear_decay(w * sample_time));
         Self { keep, take: keep.map(|a| (R::one() - a) / sample_time), last: angle, rate: PerAxis::zero() }
     }
 
-    /// Takes the measured angles [rad].
+    /// Takes the measured angles \[rad\].
     #[inline(always)]
     pub fn update(&mut self, measured: PerAxis<R>) -> Estimate<R> {
         let moved = measured.minus(self.last);

@@ -125,7 +125,7 @@ pub enum Estimator<R> {
 }
 
 impl<R: Real> Estimator<R> {
-    /// Ready to start at `angle` [rad], at rest, called every `sample_time` [s].
+    /// Ready to start at `angle` \[rad\], at rest, called every `sample_time` \[s\].
     pub fn new(settings: &EstimatorSettings<R>, angle: PerAxis<R>, sample_time: R) -> Self {
         let observer = |gains| Self::Observer(Observer::new(gains, angle, sample_time));
         match *settings {
@@ -142,7 +142,7 @@ impl<R: Real> Estimator<R> {
         }
     }
 
-    /// What the angles measured now [rad] say. `torque` [N m] is what the motors give from now to the next tick.
+    /// What the angles measured now \[rad\] say. `torque` \[N m\] is what the motors give from now to the next tick.
     #[inline(always)]
     pub fn update(&mut self, measured: PerAxis<R>, model: &RigidBody<R>, torque: PerAxis<R>) -> Estimate<R> {
         match self {

@@ -44,7 +44,7 @@ impl<R: Real<Mask = bool>> ObserverGains<R> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observer<R> {
     gains: PerAxis<ObserverGains<R>>,
-    /// T [s] and T²/2 [s²].
+    /// T \[s\] and T²/2 [s²].
     step: R,
     half_square: R,
     /// q⁻, v⁻ and σ⁻: what is expected at the next tick.
@@ -52,7 +52,7 @@ pub struct Observer<R> {
 }
 
 impl<R: Real> Observer<R> {
-    /// At rest at `angle` [rad]; `sample_time` [s].
+    /// At rest at `angle` \[rad\]; `sample_time` \[s\].
     pub fn new(gains: PerAxis<ObserverGains<R>>, angle: PerAxis<R>, sample_time: R) -> Self {
         Self {
             gains,
@@ -62,7 +62,7 @@ impl<R: Real> Observer<R> {
         }
     }
 
-    /// Takes the measured angles [rad].
+    /// Takes the measured angles \[rad\].
     #[inline(always)]
     pub fn correct(&self, measured: PerAxis<R>) -> Estimate<R> {
         let expected = &self.expected;
@@ -77,7 +77,7 @@ impl<R: Real> Observer<R> {
         }
     }
 
-    /// Moves on to the next tick from `estimate`, with `accel` [rad/s²] as the model has it for the time between.
+    /// Moves on to the next tick from `estimate`, with `accel` \[rad/s²\] as the model has it for the time between.
     #[inline(always)]
     pub fn predict(&mut self, estimate: &Estimate<R>, accel: PerAxis<R>) {
         let accel = accel.plus(estimate.disturbance);

@@ -6,7 +6,7 @@ use crate::rotor_model::RotorModel;
 
 const T: f64 = 1e-3;
 
-/// Flies the Aero open loop for 3 s with encoders and `disturbance` [V] on the main motor, and gives the estimate, the truth
+/// Flies the Aero open loop for 3 s with encoders and `disturbance` \[V\] on the main motor, and gives the estimate, the truth
 /// and the mean square error of the rates over the last two seconds.
 fn flown(settings: &EstimatorSettings<f64>, disturbance: f64) -> (Estimate<f64>, State<f64>, f64) {
     let rig = presets::AERO;

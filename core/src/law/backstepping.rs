@@ -40,7 +40,7 @@ impl<R: Real> Errors<R> {
 }
 
 impl<R: Real> Backstepping<R> {
-    /// With these gains [1/s].
+    /// With these gains \[1/s\].
     pub fn new(gains: Gains<R>) -> Self {
         Self { gains }
     }

@@ -59,12 +59,12 @@ impl<R: Real<Mask = bool>> IntegralGains<R> {
 pub struct IntegralBackstepping<R> {
     gains: PerAxis<IntegralGains<R>>,
     sample_time: R,
-    /// χ [rad s].
+    /// χ \[rad s\].
     integral: PerAxis<R>,
 }
 
 impl<R: Real> IntegralBackstepping<R> {
-    /// With an empty integral; `sample_time` [s].
+    /// With an empty integral; `sample_time` \[s\].
     pub fn new(gains: PerAxis<IntegralGains<R>>, sample_time: R) -> Self {
         Self { gains, sample_time, integral: PerAxis::zero() }
     }

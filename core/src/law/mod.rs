@@ -65,7 +65,7 @@ impl<'a, R: Real> Situation<'a, R> {
 
 /// A control law: everything between the estimate and the torque.
 pub trait ControlLaw<R: Real> {
-    /// The torque [N m] that the law asks for, whether or not the motors can give it.
+    /// The torque \[N m\] that the law asks for, whether or not the motors can give it.
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R>;
 
     /// Ends the tick: was there a motor that could not give what was asked? A law that integrates does it here.
@@ -89,7 +89,7 @@ pub enum Law<R> {
 }
 
 impl<R: Real> Law<R> {
-    /// Ready to start; `sample_time` [s]. `effectiveness` [N m/V] serves laws that think in volts.
+    /// Ready to start; `sample_time` \[s\]. `effectiveness` \[N m/V\] serves laws that think in volts.
     pub fn new(settings: &LawSettings<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
         match *settings {
             LawSettings::Backstepping(gains) => Self::Backstepping(Backstepping::new(gains)),

@@ -51,7 +51,7 @@ pub struct Pid<R> {
 }
 
 impl<R: Real> Pid<R> {
-    /// With an empty integral; `sample_time` [s].
+    /// With an empty integral; `sample_time` \[s\].
     pub fn new(gains: PerAxis<PidGains<R>>, sample_time: R) -> Self {
         Self { gains, sample_time, integral: PerAxis::zero() }
     }

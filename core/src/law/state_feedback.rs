@@ -73,7 +73,7 @@ fn product<R: Real>(matrix: &MotorGains<R>, error: PerAxis<R>) -> PerMotor<R> {
 }
 
 impl<R: Real> StateFeedback<R> {
-    /// With an empty integral; `sample_time` [s]. The volts are handed on as the torque that `effectiveness` makes of them.
+    /// With an empty integral; `sample_time` \[s\]. The volts are handed on as the torque that `effectiveness` makes of them.
     pub fn new(gains: StateFeedbackGains<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
         Self { gains, effectiveness, sample_time, integral: PerMotor::zero() }
     }

@@ -58,7 +58,7 @@ pub struct SuperTwisting<R> {
 }
 
 impl<R: Real> SuperTwisting<R> {
-    /// With an empty integral; `sample_time` [s].
+    /// With an empty integral; `sample_time` \[s\].
     pub fn new(gains: PerAxis<SuperTwistingGains<R>>, sample_time: R) -> Self {
         Self { gains, sample_time, integral: PerAxis::zero() }
     }

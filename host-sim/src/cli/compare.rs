@@ -27,7 +27,7 @@ pub(super) struct Args {
     /// Which, by name or gains file, instead of all there are; 'ours' is always there
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     controllers: Vec<String>,
-    /// True lag of both rotors [s] in every plant, whatever the controllers believe
+    /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
     /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/rivals/PRESET/NAME.toml the others'

@@ -4,8 +4,8 @@
 
 mod bench;
 mod common;
-mod flash;
 mod compare;
+mod flash;
 mod simulate;
 mod tables;
 mod tune;

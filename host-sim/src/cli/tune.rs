@@ -39,7 +39,7 @@ pub(super) struct Args {
     /// The paper's world or the rig's
     #[arg(long, default_value = "ideal")]
     fidelity: Fidelity,
-    /// How long each candidate flies [s] instead of the scenario's duration
+    /// How long each candidate flies \[s\] instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     horizon: Option<f64>,
     /// Flowers, N

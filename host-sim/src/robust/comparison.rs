@@ -96,7 +96,7 @@ pub fn signed_rank(differences: &[f64]) -> f64 {
         return 1.0;
     }
     let (mut positive, mut ties, mut before) = (0.0, 0.0, 0.0);
-    for group in d.chunk_by(|a, b| a.abs() == b.abs()) {
+    for group in d.chunk_by(|a, b| a.abs().total_cmp(&b.abs()).is_eq()) {
         let count = group.len() as f64;
         let rank = before + 0.5 * (count + 1.0);
         positive += rank * group.iter().filter(|x| **x > 0.0).count() as f64;

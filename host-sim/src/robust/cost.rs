@@ -46,7 +46,7 @@ fn sum(both: PerAxis<f64>) -> f64 {
 }
 
 impl Score {
-    /// What a diverged flight counts as, with the disturbance at `allowance` [s].
+    /// What a diverged flight counts as, with the disturbance at `allowance` \[s\].
     pub fn diverged(allowance: f64) -> Self {
         Self {
             settling_time: PerAxis::both(allowance),

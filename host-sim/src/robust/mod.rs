@@ -46,7 +46,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// `count` plants around `rig`, drawn by `seed`, with the disturbance at `allowance` [s].
+    /// `count` plants around `rig`, drawn by `seed`, with the disturbance at `allowance` \[s\].
     pub fn new(rig: &Rig, count: usize, seed: u64, allowance: f64) -> Self {
         Self { rig: *rig, plants: draw(rig, count, seed), allowance }
     }

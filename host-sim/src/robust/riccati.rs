@@ -43,7 +43,7 @@ pub fn lqr(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64
 
 /// Stationary Kalman gains of one axis for [`Observer`](twinrotor::estimator::Observer): an encoder whose rounding is taken for white
 /// noise of variance count²/12, a disturbance that walks at random by `walk` [rad/s² per √s], and a torque noise of `jitter`
-/// [rad/s² per √Hz]; `count` [rad], `sample_time` [s].
+/// [rad/s² per √Hz]; `count` \[rad\], `sample_time` \[s\].
 ///
 /// With no walk the disturbance stays at zero, and what is left is a Luenberger observer.
 pub fn kalman(count: f64, walk: f64, jitter: f64, sample_time: f64) -> Option<ObserverGains<f64>> {

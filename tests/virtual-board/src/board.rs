@@ -21,9 +21,9 @@ pub const CORE_HZ: u64 = 168_000_000;
 /// What the rig puts on the board's connectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
-    /// [counts] edges of the pitch and the yaw encoder since it was at rest, four to a line.
+    /// \[counts\] edges of the pitch and the yaw encoder since it was at rest, four to a line.
     pub counts: [i64; 2],
-    /// [V] of the amplifiers' supply.
+    /// \[V\] of the amplifiers' supply.
     pub supply: f64,
     /// The emergency stop is pressed: its contact is open.
     pub emergency_stop: bool,
@@ -42,7 +42,7 @@ impl Default for Inputs {
 pub struct Outputs {
     /// When.
     pub at: VirtualNanos,
-    /// [counts] the PWM timer's compare values as latched, and its reload value.
+    /// \[counts\] the PWM timer's compare values as latched, and its reload value.
     pub compare: [u64; 4],
     pub reload: u64,
     /// What the legs of the main and the tail motor's bridge do.

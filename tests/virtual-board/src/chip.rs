@@ -26,11 +26,11 @@ use flash::Flash;
 use syscfg::Syscfg;
 use timer::{Side, Timer};
 
-/// The crystal on the board [Hz].
+/// The crystal on the board \[Hz\].
 const CRYSTAL_HZ: u64 = 8_000_000;
 /// `RCC_CSR` after a power-on: PORRSTF, PINRSTF, BORRSTF, 7.3.21.
 const POWER_ON_FLAGS: u64 = 0x0E00_0000;
-/// The rail of the part [mV].
+/// The rail of the part \[mV\].
 const RAIL_MILLIVOLTS: u32 = 3300;
 
 /// The serial ports the part has, in the order of [`models::SERIAL_PORTS`].
@@ -197,7 +197,7 @@ impl Stm32f405 {
         self.powered && self.flash.busy()
     }
 
-    /// The part's own rail [mV], which its voltage detector watches.
+    /// The part's own rail \[mV\], which its voltage detector watches.
     pub fn set_rail(&mut self, at: VirtualNanos, millivolts: u32) {
         let registers = self.bus.slot_mut(self.slots.pwr).registers_mut();
         self.pwr.set_supply(millivolts, registers);
@@ -238,7 +238,7 @@ impl Stm32f405 {
         self.bus.slots()[self.slots.ports[port]].registers()
     }
 
-    /// The voltage on input `channel` of converter `converter` (ADC1 is 0) [mV].
+    /// The voltage on input `channel` of converter `converter` (ADC1 is 0) \[mV\].
     pub fn set_analog(&mut self, converter: usize, channel: u8, millivolts: u32) {
         let channel = adc::Channel::new(channel).expect("one of sixteen inputs");
         self.adc[converter].set_input(channel, millivolts);

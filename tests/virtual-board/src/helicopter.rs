@@ -12,7 +12,7 @@ use crate::board::{Inputs, Outputs};
 use crate::machine::Rig;
 use crate::wiring;
 
-/// The converter's whole scale, and its reference [V].
+/// The converter's whole scale, and its reference \[V\].
 const ADC_SCALE: f32 = 4095.0;
 const ADC_REFERENCE: f32 = 3.3;
 
@@ -54,7 +54,7 @@ pub struct Helicopter {
 }
 
 impl Helicopter {
-    /// `rig` at rest, on a supply that reads as near `supply` [V] as the converter can tell.
+    /// `rig` at rest, on a supply that reads as near `supply` \[V\] as the converter can tell.
     pub fn new(rig: &presets::Rig, supply: f64) -> Self {
         let start = State::at_rest(rig.rest_angle.map(f32::from_f64));
         let mut helicopter = Self {
@@ -76,7 +76,7 @@ impl Helicopter {
         helicopter
     }
 
-    /// Sets the supply [V].
+    /// Sets the supply \[V\].
     pub fn set_supply(&mut self, supply: f64) {
         self.inputs.supply = supply;
         self.supply = measured(supply);
@@ -158,7 +158,7 @@ impl Rig for Helicopter {
     }
 }
 
-/// \[V\] What the board's converter makes of a supply [V].
+/// \[V\] What the board's converter makes of a supply \[V\].
 fn measured(supply: f64) -> f32 {
     let (_, _, divider) = wiring::SUPPLY;
     // As the converter's model has it: whole millivolts at the pin, then whole codes.

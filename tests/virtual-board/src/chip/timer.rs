@@ -55,7 +55,7 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// A timer of `kind` out of reset, on a clock of `clock_hz` [Hz] until the clock tree says otherwise.
+    /// A timer of `kind` out of reset, on a clock of `clock_hz` \[Hz\] until the clock tree says otherwise.
     pub fn new(kind: Kind, clock_hz: u64) -> Self {
         Self {
             kind,

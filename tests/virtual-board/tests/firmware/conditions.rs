@@ -31,7 +31,7 @@ fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
     until_then.saturating_sub(fault as usize)
 }
 
-/// Brings a hazard about while flying, and checks all that must follow. `within` is its rule's time [ticks].
+/// Brings a hazard about while flying, and checks all that must follow. `within` is its rule's time \[ticks\].
 #[track_caller]
 fn expect(cause: Condition, within: u32, hazard: impl FnOnce(&mut Station)) {
     let mut station = flying();

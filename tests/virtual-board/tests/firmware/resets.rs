@@ -14,7 +14,7 @@ use super::{PARAMETERS, firmware, flying, image, parameters, rest, start};
 /// Where the vector table lies.
 const VECTORS: u64 = 0x0800_0000;
 
-/// Brings an end about; answers how long the motors then stayed alive [ms].
+/// Brings an end about; answers how long the motors then stayed alive \[ms\].
 #[track_caller]
 fn end(station: &mut Station, act: impl FnOnce(&mut Live<'_>) + Send + 'static) -> u64 {
     let (began, _) = station.machine.now();

@@ -59,7 +59,7 @@ pub struct Passed {
 #[derive(Debug, Clone)]
 pub struct Counter {
     kind: Kind,
-    /// [Hz], and the instant that input tick 0 fell on [ns].
+    /// \[Hz\], and the instant that input tick 0 fell on [ns].
     clock_hz: u64,
     clock_since: u64,
     control: Control,
@@ -77,7 +77,7 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// A counter out of reset, on a clock of `clock_hz` [Hz].
+    /// A counter out of reset, on a clock of `clock_hz` \[Hz\].
     pub fn new(kind: Kind, clock_hz: u64) -> Self {
         let values = Values { prescaler: 0, reload: kind.top(), repetition: 0, compare: [0; 4] };
         Self {
@@ -104,7 +104,7 @@ impl Counter {
         &self.control
     }
 
-    /// The input clock [Hz].
+    /// The input clock \[Hz\].
     pub fn clock_hz(&self) -> u64 {
         self.clock_hz
     }
@@ -190,7 +190,7 @@ impl Counter {
         count <= self.active.reload
     }
 
-    /// The clock changed to `hz` [Hz].
+    /// The clock changed to `hz` \[Hz\].
     pub fn set_clock(&mut self, now: u64, hz: u64) {
         let position = self.position(now) % self.cycle().max(1);
         self.clock_hz = hz;
