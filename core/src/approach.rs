@@ -23,13 +23,13 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// Level, and nothing left of the way; `rate` [rad/s] is that of the way, `sample_time` in s.
+    /// Level, and nothing left of the way; `rate` \[rad/s\] is that of the way, `sample_time` in s.
     #[must_use]
     pub fn new(rate: f32, sample_time: f32) -> Self {
         Self { setpoint: Reference::default(), moves: false, offset: PerAxis::zero(), rate, sample_time }
     }
 
-    /// The way begins at `angle` [rad], and a setpoint that moves begins to.
+    /// The way begins at `angle` \[rad\], and a setpoint that moves begins to.
     pub fn begin(&mut self, angle: PerAxis<f32>) {
         self.offset = angle.minus(self.setpoint.angle);
     }
@@ -73,7 +73,7 @@ impl Approach {
         self.setpoint.rate = now.rate.plus(now.accel.scaled(t));
     }
 
-    /// Shortens the way by one tick's; gives the rate [rad/s] at which it goes on.
+    /// Shortens the way by one tick's; gives the rate \[rad/s\] at which it goes on.
     fn close_in(&mut self) -> PerAxis<f32> {
         let reach = self.rate * self.sample_time;
         let left = self.offset.map(|offset| offset - Real::clamp(offset, -reach, reach));

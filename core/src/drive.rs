@@ -19,7 +19,7 @@ impl<R: Real> Drive<R> {
         Self { full_steps: R::from_i32(full_steps.cast_signed()) }
     }
 
-    /// The duty that comes nearest to `volts` from a supply of `supply` [V]; at most full either way. Zero if
+    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most full either way. Zero if
     /// anything is not finite or the supply is not above zero: this is the only way to a duty.
     #[inline(always)]
     pub fn duty(&self, volts: PerMotor<R>, supply: R) -> PerMotor<Duty<R>> {
@@ -32,7 +32,7 @@ impl<R: Real> Drive<R> {
         })
     }
 
-    /// \[V\] What a duty gives from a supply of `supply` [V].
+    /// \[V\] What a duty gives from a supply of `supply` \[V\].
     #[inline(always)]
     pub fn volts(&self, duty: PerMotor<Duty<R>>, supply: R) -> PerMotor<R> {
         let volts_per_step = supply / self.full_steps;

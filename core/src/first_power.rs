@@ -125,7 +125,7 @@ impl FirstPowerCheck {
         self.ticks = 0;
     }
 
-    /// One tick: `angle` [rad], and for how many ticks no encoder has moved. Gives the volts for the motors and, at
+    /// One tick: `angle` \[rad\], and for how many ticks no encoder has moved. Gives the volts for the motors and, at
     /// the end, the verdict.
     pub fn step(&mut self, angle: PerAxis<f32>, still: u32) -> (PerMotor<f32>, Option<Verdict>) {
         self.ticks = self.ticks.saturating_add(1);

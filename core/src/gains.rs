@@ -1,6 +1,7 @@
 //! The gains of the backstepping law, and the only place that knows the paper's order k1..k4.
 
 use crate::axes::PerAxis;
+use crate::real::Real;
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
@@ -47,9 +48,9 @@ impl<R: Copy> Gains<R> {
     }
 }
 
-impl Gains<f64> {
+impl<R: Real<Mask = bool>> Gains<R> {
     /// Every gain finite and above zero, as the law's stability proof asks.
-    pub fn validate(&self) -> Result<(), Invalid> {
+    pub fn validate(&self) -> Result<(), Invalid<R>> {
         NAMES.into_iter().zip(self.to_paper_order()).try_for_each(|(name, value)| positive(name, value))
     }
 }

@@ -17,10 +17,10 @@
 //! # The tick
 //!
 //! 1. [`encoder`]: counter readings to angles.
-//! 2. [`estimator`]: angles to angles, rates and disturbances.
-//! 4. [`reference`]: what is wanted to a reference with derivatives.
+//! 2. [`estimator`]: angles to angles, rates and disturbances, with the rotors as [`rotor_model`] has them.
+//! 4. [`reference`]: what is wanted to a reference with derivatives, shaped by [`command_filter`].
 //! 5. [`law`]: both to the torque on each axis, eqs (26)-(27).
-//! 6. [`allocation`]: torque to motor volts, eqs (28)-(29), within limits.
+//! 6. [`allocation`]: torque to motor volts, eqs (28)-(29), within limits, after [`lead`] against rotor lag.
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers.
 //!
 //! [`pipeline`] is steps 2, 4, 5 and 6 over any [`Real`](real::Real), [`control_loop`] all of it. "Eq. (26)" and "Table 3" mean those
@@ -59,11 +59,15 @@ pub mod plant;
 pub mod gains;
 
 pub mod allocation;
+pub mod command_filter;
+pub mod controller;
 pub mod drive;
 pub mod encoder;
 pub mod estimator;
 pub mod law;
+pub mod lead;
 pub mod reference;
+pub mod rotor_model;
 
 pub mod approach;
 pub mod first_power;

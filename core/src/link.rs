@@ -26,6 +26,10 @@ const CRC_SIZE: usize = 4;
 
 /// From the host.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a message lives for one exchange; there is no heap to put the record on"
+)]
 pub enum ToBoard {
     /// The host is there. Any message says so; this one says nothing else.
     Alive,
@@ -47,6 +51,10 @@ pub enum ToBoard {
 
 /// From the board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a message lives for one exchange; there is no heap to put the record on"
+)]
 pub enum ToHost {
     /// One tick.
     Frame(Frame),
@@ -261,7 +269,7 @@ mod tests {
             }),
             number().prop_map(|gain| {
                 let mut parameters = parameters();
-                parameters.settings.gains.yaw.rate = gain;
+                parameters.settings.model.damping.yaw = gain;
                 ToBoard::WriteParameters(parameters)
             }),
         ]

@@ -10,6 +10,7 @@ use crate::axes::{PerAxis, PerMotor};
 use crate::pipeline::Settings;
 use crate::plant::presets::Rig;
 use crate::real::Real;
+use crate::validate::Invalid;
 use serde::{Deserialize, Serialize};
 
 /// Version of the record. Another one on flash is not read: the numbers would mean something else.
@@ -158,9 +159,9 @@ impl Parameters {
         require(invertible, "effectiveness", "a matrix with a determinant other than 0")?;
         positive("volts_limit.main", s.volts_limit.main)?;
         positive("volts_limit.tail", s.volts_limit.tail)?;
-        for (name, gain) in crate::gains::NAMES.into_iter().zip(s.gains.to_paper_order()) {
-            positive(name, gain)?;
-        }
+        let in_range = |e: Invalid<f32>| ParameterError::Range { field: e.field, allowed: e.allowed };
+        s.current_limit.map_or(Ok(()), |limit| limit.validate()).map_err(in_range)?;
+        s.controller.validate().map_err(in_range)?;
         positive("encoders.pitch.angle_per_count", self.encoders.pitch.angle_per_count)?;
         positive("encoders.yaw.angle_per_count", self.encoders.yaw.angle_per_count)?;
         self.limits.validate(s.volts_limit)

@@ -1,23 +1,29 @@
 //! Steps 2, 4, 5 and 6 of the tick over any [`Real`]: what runs on the board, in the simulator and in the lanes of the
 //! tuner. Nothing in it branches on a number, so every lane does the same.
 
-use crate::allocation::{Allocation, Allocator};
+use crate::allocation::{Allocation, Allocator, CurrentLimit, CurrentLimitSettings, VoltsRange};
 use crate::axes::{PerAxis, PerMotor};
-use crate::estimator::{Estimate, Estimator, EstimatorSettings};
+use crate::command_filter::CommandFilter;
+use crate::controller::ControllerSettings;
+use crate::estimator::{Estimate, Estimator};
 use crate::gains::Gains;
-use crate::law::{Backstepping, ControlLaw};
+use crate::law::{ControlLaw, Law, Situation};
+use crate::lead::Lead;
 use crate::plant::presets::Rig;
-use crate::plant::{Effectiveness, PlantParameters, RigidBody};
+use crate::plant::{Effectiveness, PlantParameters, RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;
+use crate::rotor_model::RotorModel;
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
-/// What a controller is made from: the user's numbers, before anything is derived from them.
+/// What a controller is made from: the rig as it is believed to be, and the user's choices, before anything is derived from
+/// them.
 ///
 /// Everything that the pipeline derives from them is basic arithmetic in `R`, so a board that is given the same numbers
 /// derives the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings<R> {
     /// \[s\] From tick to tick.
     pub sample_time: R,
@@ -27,38 +33,48 @@ pub struct Settings<R> {
     pub effectiveness: Effectiveness<R>,
     /// \[V\] Limit of each motor, either way.
     pub volts_limit: PerMotor<R>,
-    /// Gains of the law.
-    pub gains: Gains<R>,
-    /// Where rates come from when only angles are measured.
-    pub estimator: EstimatorSettings<R>,
+    /// What the motors' currents allow, where the motors are known.
+    pub current_limit: Option<CurrentLimitSettings<R>>,
+    /// Law, gains and what stands around them.
+    pub controller: ControllerSettings<R>,
 }
 
 impl Settings<f64> {
-    /// The paper's law with these gains on a rig whose constants it knows exactly, `sample_time` in s.
-    pub fn paper(rig: &Rig, gains: Gains<f64>, sample_time: f64) -> Self {
+    /// This controller on a rig whose constants it knows exactly, `sample_time` in s.
+    pub fn new(rig: &Rig, controller: ControllerSettings<f64>, sample_time: f64) -> Self {
         Self {
             sample_time,
             model: rig.plant,
             effectiveness: rig.plant.effectiveness_at(rig.nominal_volts),
             volts_limit: rig.volts_limit,
-            gains,
-            estimator: EstimatorSettings::laboratory(100.0),
+            current_limit: rig.motor.as_ref().map(CurrentLimitSettings::new),
+            controller,
         }
     }
 
-    /// Every number finite and usable.
+    /// The paper's law with these gains, alone with the limits on the volts, `sample_time` in s.
+    pub fn paper(rig: &Rig, gains: Gains<f64>, sample_time: f64) -> Self {
+        Self { current_limit: None, ..Self::new(rig, ControllerSettings::paper(gains), sample_time) }
+    }
+}
+
+impl Settings<f64> {
+    /// Every number usable.
+    ///
+    /// # Errors
+    /// Names the field.
     pub fn validate(&self) -> Result<(), Invalid> {
         positive("sample_time", self.sample_time)?;
         self.model.validate()?;
         self.effectiveness.validate_inverse()?;
         positive("volts_limit.main", self.volts_limit.main)?;
         positive("volts_limit.tail", self.volts_limit.tail)?;
-        self.gains.validate()?;
-        self.estimator.validate()
+        self.current_limit.map_or(Ok(()), |limit| limit.validate())?;
+        self.controller.validate()
     }
 }
 
-impl<R: Copy + Real> Settings<R> {
+impl<R: Real> Settings<R> {
     /// Each number through `f`, in a fixed order.
     pub fn map<U: Copy>(self, mut f: impl FnMut(R) -> U) -> Settings<U> {
         Settings {
@@ -66,8 +82,17 @@ impl<R: Copy + Real> Settings<R> {
             model: self.model.map(&mut f),
             effectiveness: self.effectiveness.map(&mut f),
             volts_limit: self.volts_limit.map(&mut f),
-            gains: self.gains.map_gains(&mut f),
-            estimator: self.estimator.map(&mut f),
+            current_limit: self.current_limit.map(|x| x.map(&mut f)),
+            controller: self.controller.map(&mut f),
+        }
+    }
+
+    /// The same for the paper's world, whose rotors answer at once: without what only makes sense with rotors that do not.
+    pub fn for_ideal_rotors(self) -> Self {
+        Self {
+            current_limit: None,
+            controller: ControllerSettings { lead: None, cancellation: None, ..self.controller },
+            ..self
         }
     }
 }
@@ -76,8 +101,14 @@ impl<R: Copy + Real> Settings<R> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pipeline<R> {
     model: RigidBody<R>,
+    /// Where anything needs to know which volts are in effect.
+    rotors: Option<RotorModel<R>>,
     estimator: Estimator<R>,
-    law: Backstepping<R>,
+    filter: Option<CommandFilter<R>>,
+    law: Law<R>,
+    cancellation: Option<PerAxis<R>>,
+    lead: Option<Lead<R>>,
+    current_limit: Option<CurrentLimit<R>>,
     allocator: Allocator<R>,
 }
 
@@ -86,7 +117,7 @@ pub struct Pipeline<R> {
 pub struct Command<R: Real> {
     /// What was believed.
     pub estimate: Estimate<R>,
-    /// What was wanted.
+    /// What the law followed: the setpoint, filtered where there is a filter.
     pub reference: Reference<R>,
     /// \[N m\] What the law asked for.
     pub torque: PerAxis<R>,
@@ -102,40 +133,78 @@ impl<R: Real> Command<R> {
 }
 
 impl<R: Real> Pipeline<R> {
-    /// Ready to start at `angle` [rad], at rest.
+    /// Ready to start at `angle` \[rad\], at rest.
     pub fn new(settings: &Settings<R>, angle: PerAxis<R>) -> Self {
+        let Settings { sample_time, effectiveness, controller, .. } = *settings;
+        let model = RigidBody::new(&settings.model);
+        let inertia = model.at(&State::default()).inertia;
+        let needs_rotors = controller.estimator.uses_model()
+            || controller.lead.is_some()
+            || settings.current_limit.is_some();
         Self {
-            model: RigidBody::new(&settings.model),
-            estimator: Estimator::new(&settings.estimator, angle, settings.sample_time),
-            law: Backstepping::new(settings.gains),
-            allocator: Allocator::new(settings.effectiveness, settings.volts_limit),
+            model,
+            rotors: needs_rotors.then(|| RotorModel::new(&settings.model, sample_time)),
+            estimator: Estimator::new(&controller.estimator, angle, sample_time),
+            filter: controller.filter.map(|filter| CommandFilter::new(&filter, angle, sample_time)),
+            law: Law::new(&controller.law, effectiveness, sample_time),
+            cancellation: controller.cancellation,
+            lead: controller.lead,
+            current_limit: settings.current_limit.map(|limit| CurrentLimit::new(limit, sample_time)),
+            allocator: Allocator::new(effectiveness, settings.volts_limit)
+                .limiting(&controller.allocation, inertia),
         }
     }
 
-    /// One tick: the angles measured now [rad], the volts that act from now to the next tick, and the reference.
+    /// One tick: the angles measured now \[rad\], the volts that act from now to the next tick, and the setpoint.
     #[inline(always)]
     pub fn tick(
         &mut self,
         measured: PerAxis<R>,
         applied: PerMotor<R>,
-        reference: &Reference<R>,
+        setpoint: &Reference<R>,
     ) -> Command<R> {
         let estimate = self.estimate(measured, applied);
-        self.act(estimate, reference)
+        self.act(estimate, setpoint)
     }
 
-    /// The first half of [`Pipeline::tick`], for a loop that decides in between whether to act at all.
+    /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to the next tick.
     #[inline(always)]
     pub fn estimate(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Estimate<R> {
-        self.estimator.update(measured, applied)
+        let torque = match &mut self.rotors {
+            Some(rotors) => rotors.advance(applied),
+            None => PerAxis::zero(),
+        };
+        if let (Some(limit), Some(rotors)) = (&mut self.current_limit, &self.rotors) {
+            limit.observe(applied, rotors.volts());
+        }
+        self.estimator.update(measured, &self.model, torque)
     }
 
-    /// One tick in a world where the state is known (ideal fidelity): [`Pipeline::tick`] without its estimator.
+    /// The second half: what to do about it. In a world where the state is known (ideal fidelity) it is the whole tick.
     #[inline(always)]
-    pub fn act(&mut self, estimate: Estimate<R>, reference: &Reference<R>) -> Command<R> {
-        let torque = self.law.torque(&self.model, &estimate, reference);
-        let demand = self.allocator.demand(torque);
-        Command { estimate, reference: *reference, torque, allocation: self.allocator.allocate(demand) }
+    pub fn act(&mut self, estimate: Estimate<R>, setpoint: &Reference<R>) -> Command<R> {
+        let reference = match &mut self.filter {
+            Some(filter) => filter.step(setpoint),
+            None => *setpoint,
+        };
+        let now = Situation::new(&self.model, &estimate, &reference);
+        let mut torque = self.law.torque(&now);
+        if let Some(share) = self.cancellation {
+            let found = share.zip(estimate.disturbance, |a, d| a * d);
+            torque = torque.minus(now.dynamics.inertia.zip(found, |i, d| i * d));
+        }
+        let mut demand = self.allocator.demand(torque);
+        if let (Some(lead), Some(rotors)) = (&self.lead, &self.rotors) {
+            demand = lead.apply(demand, rotors.volts());
+        }
+        let limit = self.allocator.limit();
+        let range = match (&self.current_limit, &self.rotors) {
+            (Some(current), Some(rotors)) => current.range(rotors.volts(), limit),
+            _ => VoltsRange::within(limit),
+        };
+        let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
+        self.law.settle(&now, allocation.clipped());
+        Command { estimate, reference, torque, allocation }
     }
 
     /// \[V\] The limits in force.

@@ -22,7 +22,7 @@ pub struct Reference<R> {
 }
 
 impl<R: Real> Reference<R> {
-    /// Stay at `angle` [rad].
+    /// Stay at `angle` \[rad\].
     #[inline(always)]
     pub fn at_rest(angle: PerAxis<R>) -> Self {
         Self { angle, rate: PerAxis::zero(), accel: PerAxis::zero() }
@@ -70,7 +70,7 @@ pub enum Profile<R> {
 }
 
 impl<R: Real<Scalar = R>> Profile<R> {
-    /// `angle` [rad] from tick 0 on.
+    /// `angle` \[rad\] from tick 0 on.
     pub fn hold(angle: f64) -> Self {
         Self::Steps { initial: R::from_f64(angle), jumps: Vec::new(), period: 0 }
     }
@@ -87,7 +87,7 @@ impl<R: Real<Scalar = R>> Profile<R> {
         }
     }
 
-    /// Angle [rad], rate [rad/s] and acceleration [rad/s²] at a tick.
+    /// Angle \[rad\], rate \[rad/s\] and acceleration \[rad/s²\] at a tick.
     #[inline]
     pub fn at(&self, tick: u32) -> [R; 3] {
         match self {
@@ -176,7 +176,7 @@ impl<R: Real<Scalar = R>> Trajectory<R> {
 }
 
 impl<R: Real<Scalar = R>> Profile<R> {
-    /// `initial` [rad], then from each time [s] on the angle [rad] beside it, all over again every `period` [s] if
+    /// `initial` \[rad\], then from each time \[s\] on the angle \[rad\] beside it, all over again every `period` \[s\] if
     /// that is not 0. Jumps beyond the first [`MAX_JUMPS`] are left out: callers check. Times are rounded to ticks.
     pub fn steps(initial: f64, jumps: &[(f64, f64)], period: f64, sample_time: f64) -> Self {
         Self::Steps {
@@ -191,7 +191,7 @@ impl<R: Real<Scalar = R>> Profile<R> {
     }
 }
 
-/// The tick nearest to a time [s] of at least 0.
+/// The tick nearest to a time \[s\] of at least 0.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

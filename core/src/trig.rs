@@ -25,7 +25,7 @@ const SINE: [f64; 3] = [-1.666_665_461_1e-1, 8.332_160_873_6e-3, -1.951_529_589_
 /// (cos r - 1 + r^2/2)/r^4 in powers of r^2, |r| <= pi/4. Minimax coefficients of the Cephes library's `cosf`.
 const COSINE: [f64; 3] = [4.166_664_568_298_827e-2, -1.388_731_625_493_765e-3, 2.443_315_711_809_948e-5];
 
-/// Sine and cosine of `x` [rad] in single precision, without a branch.
+/// Sine and cosine of `x` \[rad\] in single precision, without a branch.
 ///
 /// Good for |x| up to 8,000 rad; beyond that accuracy fades (references are reduced before they get here,
 /// see [`crate::reference`]). NaN and infinity give NaN.

@@ -22,7 +22,7 @@ use embassy_stm32::{Config, bind_interrupts, dma, pac, peripherals};
 pub(crate) const AMPLIFIER: Amplifier = Amplifier::LockedAntiphase;
 /// The PWM's timer, whose update event is the tick.
 pub(crate) const PWM: pac::timer::TimAdv = pac::TIM1;
-/// [counts] Dead time between the two outputs of a half bridge, of 1/168 MHz: .5 µs.
+/// \[counts\] Dead time between the two outputs of a half bridge, of 1/168 MHz: .5 µs.
 pub(crate) const DEAD_TIME: u8 = 84;
 /// The converter of the amplifiers' supply, its channel, and the volts of its full scale: 3.3 V behind 100 k and 10 k ohm.
 pub(crate) const SUPPLY: (pac::adc::Adc, u8, f32) = (pac::ADC1, 10, 3.3 * 11.0);

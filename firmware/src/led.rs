@@ -6,7 +6,7 @@ use embassy_stm32::gpio::{Level, Output};
 use embassy_time::{Duration, Ticker};
 use twinrotor::supervisor::State;
 
-/// [ms] One bit of a pattern; a pattern is eight.
+/// \[ms\] One bit of a pattern; a pattern is eight.
 const BIT_MS: u64 = 125;
 
 /// The pattern for a state, a bit at a time from the lowest.

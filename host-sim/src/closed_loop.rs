@@ -24,6 +24,8 @@ use twinrotor::supervisor::{Conditions, Request, State as ArmState};
 pub struct Tick<R: Real> {
     /// Where the helicopter was when the tick began.
     pub state: State<R>,
+    /// \[rad\] What was wanted.
+    pub setpoint: PerAxis<R>,
     /// What the controller made of it.
     pub command: Command<R>,
     /// \[V\] What acted on the rotors from this tick to the next.
@@ -31,16 +33,16 @@ pub struct Tick<R: Real> {
 }
 
 impl<R: Real> Tick<R> {
-    /// \[rad\] Reference minus true angle.
+    /// \[rad\] What was wanted minus true angle.
     #[inline(always)]
     pub fn error(&self) -> PerAxis<R> {
-        self.command.reference.angle.minus(self.state.angle)
+        self.setpoint.minus(self.state.angle)
     }
 }
 
 /// A closed loop that can be stepped.
 pub trait ClosedLoop<R: Real> {
-    /// One tick with `disturbance` [V] added to the volts in effect.
+    /// One tick with `disturbance` \[V\] added to the volts in effect.
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
 }
 
@@ -57,7 +59,7 @@ impl<R: Real> IdealLoop<R> {
         let plant = rig.plant.ideal(rig.nominal_volts);
         Self {
             plant: IdealPlant::new(&plant, start, sample_time),
-            pipeline: Pipeline::new(settings, start.angle),
+            pipeline: Pipeline::new(&settings.for_ideal_rotors(), start.angle),
         }
     }
 }
@@ -69,7 +71,7 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
         let command = self.pipeline.act(Estimate::exact(state), reference);
         let applied = command.allocation.volts;
         self.plant.advance(applied, disturbance);
-        Tick { state, command, applied }
+        Tick { state, setpoint: reference.angle, command, applied }
     }
 }
 
@@ -106,15 +108,15 @@ struct Encoders<R> {
 }
 
 impl<R: Real> Encoders<R> {
-    fn new(hardware: &Hardware) -> Self {
+    fn new(hardware: &Hardware, phase: PerAxis<R>) -> Self {
         let turn = core::f64::consts::TAU;
         Self {
             counts_per_angle: hardware.encoder_counts.map(|c| R::from_f64(f64::from(c) / turn)),
-            phase: hardware.encoder_phase.map(|p| R::from_f64(p - 0.5)),
+            phase: phase.map(|p| p - R::from_f64(0.5)),
         }
     }
 
-    /// Whole counts from zero at true angles [rad].
+    /// Whole counts from zero at true angles \[rad\].
     #[inline(always)]
     fn counts(&self, angle: PerAxis<R>) -> PerAxis<R> {
         let exact = angle.zip(self.counts_per_angle, |a, c| a * c);
@@ -138,7 +140,17 @@ pub struct RigLoop<R> {
 impl<R: Real> RigLoop<R> {
     /// `plant` may differ from what `settings` believe.
     pub fn new(plant: RealPlant<R>, hardware: &Hardware, settings: &Settings<R>) -> Self {
-        let encoders = Encoders::<R>::new(hardware);
+        Self::assemble(plant, hardware, hardware.encoder_phase.cast(), settings)
+    }
+
+    /// As [`RigLoop::new`], with an encoder phase [counts, 0..1] that may differ from lane to lane.
+    pub fn assemble(
+        plant: RealPlant<R>,
+        hardware: &Hardware,
+        encoder_phase: PerAxis<R>,
+        settings: &Settings<R>,
+    ) -> Self {
+        let encoders = Encoders::<R>::new(hardware, encoder_phase);
         let angle_per_count: PerAxis<R> = hardware.encoder_counts.map(angle_per_count);
         let counts = encoders.counts(plant.state().angle);
         let start = counts.zip(angle_per_count, |c, a| c * a);
@@ -165,7 +177,7 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
         let duty = self.drive.duty(command.allocation.volts, self.supply);
         self.latched = self.drive.volts(duty, self.supply);
         self.plant.advance(applied, disturbance);
-        Tick { state, command, applied }
+        Tick { state, setpoint: reference.angle, command, applied }
     }
 }
 
@@ -184,7 +196,7 @@ impl BoardLoop {
     /// As [`RigLoop::new`]: zeroed where it stands, and to be armed by the first tick. Its envelope is as wide as it goes, and
     /// its reference jumps to the first setpoint instead of approaching it.
     pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
-        let encoders = Encoders::<f32>::new(hardware);
+        let encoders = Encoders::<f32>::new(hardware, hardware.encoder_phase.cast());
         let counts = encoders.counts(plant.state().angle).map(whole);
         let supply = f32::from_f64(hardware.supply);
         let parameters = Parameters {
@@ -251,6 +263,6 @@ impl ClosedLoop<f32> for BoardLoop {
         let applied = self.latched;
         self.latched = self.drive.volts(outputs.duty, self.supply);
         self.plant.advance(applied, disturbance);
-        Tick { state, command: *self.control.command(), applied }
+        Tick { state, setpoint: reference.angle, command: *self.control.command(), applied }
     }
 }

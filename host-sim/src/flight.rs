@@ -155,7 +155,7 @@ fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, disturbance: PerMotor
     Row {
         time: f64::from(tick) * SAMPLE_TIME,
         state: State { angle: axis(happened.state.angle), rate: axis(happened.state.rate) },
-        reference: axis(happened.command.reference.angle),
+        reference: axis(happened.setpoint),
         volts: motor(happened.applied),
         disturbance: motor(disturbance),
     }

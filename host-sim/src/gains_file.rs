@@ -5,37 +5,118 @@ use crate::rig::from_toml;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
+use twinrotor::allocation::AllocationSettings;
+use twinrotor::axes::PerAxis;
+use twinrotor::command_filter::FilterSettings;
+use twinrotor::controller::ControllerSettings;
 use twinrotor::estimator::EstimatorSettings;
-use twinrotor::gains::{self, AxisGains, Gains};
+use twinrotor::gains::{self, Gains};
+use twinrotor::law::LawSettings;
+use twinrotor::lead::Lead;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 
 use crate::scenario::SAMPLE_TIME;
 
 /// A gains file: a controller, its numbers, and where they came from.
+///
+/// On disk the law's name stands under `controller` and its gains beside it (`[pitch]`, `[yaw]`); `[estimator]`, `allocation`,
+/// `[filter]`, `[lead]` and `[cancellation]` follow where they are used. What is left out is as the paper has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Document", into = "Document")]
 pub struct GainsFile {
-    /// Which law.
-    pub controller: Controller,
-    /// Pitch gains.
-    pub pitch: AxisGains<f64>,
-    /// Yaw gains.
-    pub yaw: AxisGains<f64>,
-    /// Where rates come from; the filtered derivative at 100 rad/s if nothing is said.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub estimator: Option<EstimatorSettings<f64>>,
+    /// The controller.
+    pub controller: ControllerSettings<f64>,
     /// How the gains were found; nothing reads it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<Provenance>,
 }
 
+/// The file as it is written.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Document {
+    controller: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    allocation: Option<AllocationSettings<f64>>,
+    /// The law's own tables, and whatever else the file holds: the law refuses what it does not know.
+    #[serde(flatten)]
+    law: toml::Table,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    estimator: Option<EstimatorSettings<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    filter: Option<FilterSettings<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lead: Option<Lead<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cancellation: Option<PerAxis<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    provenance: Option<Provenance>,
+}
+
+impl TryFrom<Document> for GainsFile {
+    type Error = String;
+
+    fn try_from(document: Document) -> Result<Self, String> {
+        let named = toml::Table::from_iter([(document.controller, toml::Value::Table(document.law))]);
+        let law = LawSettings::deserialize(toml::Value::Table(named)).map_err(|e| e.message().to_owned())?;
+        let paper = ControllerSettings::paper(gains::PAPER);
+        let controller = ControllerSettings {
+            law,
+            estimator: document.estimator.unwrap_or(paper.estimator),
+            filter: document.filter,
+            allocation: document.allocation.unwrap_or(paper.allocation),
+            lead: document.lead,
+            cancellation: document.cancellation,
+        };
+        Ok(Self { controller, provenance: document.provenance })
+    }
+}
+
+impl From<GainsFile> for Document {
+    fn from(file: GainsFile) -> Self {
+        let ControllerSettings { law, estimator, filter, allocation, lead, cancellation } = file.controller;
+        let paper = ControllerSettings::paper(gains::PAPER);
+        let named = toml::Table::try_from(law).expect("gains are made of tables and numbers");
+        let (controller, law) = named.into_iter().next().expect("a law has a name");
+        let toml::Value::Table(law) = law else { unreachable!("a law's gains are a table") };
+        Self {
+            controller,
+            allocation: (allocation != paper.allocation).then_some(allocation),
+            law,
+            estimator: (estimator != paper.estimator).then_some(estimator),
+            filter,
+            lead,
+            cancellation,
+            provenance: file.provenance,
+        }
+    }
+}
+
 /// The laws there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Controller {
     /// Eqs (26)-(27).
     Backstepping,
+    /// The same with an integral.
+    IntegralBackstepping,
+    /// PID for each axis.
+    Pid,
+    /// PD, LQR, LQI in volts.
+    StateFeedback,
+    /// Second-order sliding mode.
+    SuperTwisting,
+}
+
+impl Controller {
+    /// Of these settings.
+    pub fn of(law: &LawSettings<f64>) -> Self {
+        match law {
+            LawSettings::Backstepping(_) => Self::Backstepping,
+            LawSettings::IntegralBackstepping(_) => Self::IntegralBackstepping,
+            LawSettings::Pid(_) => Self::Pid,
+            LawSettings::StateFeedback(_) => Self::StateFeedback,
+            LawSettings::SuperTwisting(_) => Self::SuperTwisting,
+        }
+    }
 }
 
 /// How gains were found. No dates and no durations: the same run writes the same bytes.
@@ -66,13 +147,7 @@ impl GainsFile {
 
     /// The paper's law with these gains.
     pub fn backstepping(gains: Gains<f64>) -> Self {
-        Self {
-            controller: Controller::Backstepping,
-            pitch: gains.pitch,
-            yaw: gains.yaw,
-            estimator: None,
-            provenance: None,
-        }
+        Self { controller: ControllerSettings::paper(gains), provenance: None }
     }
 
     /// `paper`, or the file of that path.
@@ -91,26 +166,27 @@ impl GainsFile {
 
     fn parse(path: &str, text: &str) -> Outcome<Self> {
         let file: Self = from_toml(path, text)?;
-        file.settings(&twinrotor::plant::presets::PAPER)
-            .validate()
-            .map_err(|e| Failure::Input(format!("{path}: {e}")))?;
+        file.controller.validate().map_err(|e| Failure::Input(format!("{path}: {e}")))?;
         Ok(file)
     }
 
     /// Refuses another controller than the one named, if one is.
     pub fn require(&self, controller: Option<Controller>) -> Outcome<()> {
+        let own = Controller::of(&self.controller.law);
         match controller {
-            Some(wanted) if wanted != self.controller => Err(Failure::Input(format!(
-                "--controller is {wanted:?}, but the gains are of {:?}",
-                self.controller
-            ))),
+            Some(wanted) if wanted != own => {
+                Err(Failure::Input(format!("--controller is {wanted:?}, but the gains are of {own:?}")))
+            }
             _ => Ok(()),
         }
     }
 
-    /// The gains alone.
-    pub fn gains(&self) -> Gains<f64> {
-        Gains::new(self.pitch, self.yaw)
+    /// The gains of the paper's law, if that is the law.
+    pub fn gains(&self) -> Option<Gains<f64>> {
+        match self.controller.law {
+            LawSettings::Backstepping(gains) => Some(gains),
+            _ => None,
+        }
     }
 
     /// As a file.
@@ -120,11 +196,7 @@ impl GainsFile {
 
     /// The controller that they make on a rig whose constants it knows.
     pub fn settings(&self, rig: &Rig) -> Settings<f64> {
-        let mut settings = Settings::paper(rig, self.gains(), SAMPLE_TIME);
-        if let Some(estimator) = self.estimator {
-            settings.estimator = estimator;
-        }
-        settings
+        Settings::new(rig, self.controller, SAMPLE_TIME)
     }
 }
 
@@ -137,7 +209,9 @@ mod tests {
         #[test]
         fn any_gains_survive_their_file(k in prop::array::uniform4(1e-3..1e3_f64), bandwidth in 1.0..500.0) {
             let mut file = GainsFile::backstepping(Gains::from_paper_order(k));
-            file.estimator = Some(EstimatorSettings::laboratory(bandwidth));
+            file.controller.estimator = EstimatorSettings::laboratory(bandwidth);
+            file.controller.allocation = AllocationSettings::Weighted { pitch_weight: 1.5 };
+            file.controller.lead = Some(Lead { factor: bandwidth });
             prop_assert_eq!(GainsFile::parse("x", &file.to_toml()).unwrap(), file);
         }
 

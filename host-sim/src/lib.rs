@@ -24,5 +24,7 @@ pub mod optimise;
 pub mod output;
 pub mod plot;
 pub mod rig;
+pub mod robust;
 pub mod scenario;
+pub mod tunable;
 pub mod tuner;

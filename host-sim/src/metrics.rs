@@ -11,11 +11,11 @@ use twinrotor::real::Real;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Criterion {
-    /// ∫ e² dt [rad² s]: eq. (30), the paper's ISξ.
+    /// ∫ e² dt \[rad² s\]: eq. (30), the paper's ISξ.
     Ise,
-    /// ∫ |e| dt [rad s].
+    /// ∫ |e| dt \[rad s\].
     Iae,
-    /// ∫ t |e| dt [rad s²].
+    /// ∫ t |e| dt \[rad s²\].
     Itae,
 }
 
@@ -32,7 +32,7 @@ impl<R: Real> Integral<R> {
         Self { criterion, sum: PerAxis::both(Compensated::new(R::zero())) }
     }
 
-    /// Adds the error [rad] at `tick` of `last` + 1. The first and the last count half.
+    /// Adds the error \[rad\] at `tick` of `last` + 1. The first and the last count half.
     #[inline(always)]
     pub fn add(&mut self, tick: u32, last: u32, error: PerAxis<R>) {
         let weight = if tick == 0 || tick == last { 0.5 } else { 1.0 };
@@ -49,7 +49,7 @@ impl<R: Real> Integral<R> {
         self.sum.yaw.add(term(error.yaw));
     }
 
-    /// The integral so far on each axis, in the lane, for ticks of `sample_time` [s].
+    /// The integral so far on each axis, in the lane, for ticks of `sample_time` \[s\].
     pub fn value(&self, lane: usize, sample_time: f64) -> PerAxis<f64> {
         let unit = match self.criterion {
             Criterion::Itae => sample_time * sample_time,
@@ -214,7 +214,7 @@ pub struct Metrics<R> {
 }
 
 impl<R: Real> Metrics<R> {
-    /// Of a flight of `last` + 1 ticks with these steps and voltage limits [V].
+    /// Of a flight of `last` + 1 ticks with these steps and voltage limits \[V\].
     pub fn new(last: u32, steps: PerAxis<Option<Step>>, limit: PerMotor<R>) -> Self {
         Self {
             last,
@@ -238,7 +238,7 @@ impl<R: Real> Metrics<R> {
         self.effort.tail.add(demand.tail, happened.applied.tail);
     }
 
-    /// What it came to in a lane, for ticks of `sample_time` [s].
+    /// What it came to in a lane, for ticks of `sample_time` \[s\].
     pub fn report(&self, lane: usize, sample_time: f64) -> Report {
         let [ise, iae, itae] = self.integrals.map(|i| i.value(lane, sample_time));
         let axis = |r: &Response<R>, integrals| r.report(lane, self.last, sample_time, integrals);

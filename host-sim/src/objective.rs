@@ -72,8 +72,10 @@ impl Objective {
 
     /// The cost of one controller, all the way.
     pub fn cost(&self, controller: &GainsFile) -> f64 {
-        let candidate =
-            Candidate { position: controller.gains().to_paper_order().to_vec(), bound: f64::INFINITY };
+        let candidate = Candidate {
+            position: controller.gains().expect("the paper's law").to_paper_order().to_vec(),
+            bound: f64::INFINITY,
+        };
         self.costs(&[candidate])[0]
     }
 

@@ -32,7 +32,7 @@ pub struct Panel {
 pub struct Line {
     /// In the legend.
     pub name: String,
-    /// Time [s] and value.
+    /// Time \[s\] and value.
     pub points: Vec<(f64, f64)>,
     /// Which of [`COLOURS`].
     pub colour: usize,

@@ -135,7 +135,7 @@ impl Scenario {
         (0..=self.last_tick()).map(|tick| trajectory.at(tick)).collect()
     }
 
-    /// The disturbance of every tick [V].
+    /// The disturbance of every tick \[V\].
     pub fn disturbances<R: Real<Scalar = R>>(&self, seed: u64) -> Vec<PerMotor<R>> {
         let last = self.last_tick();
         let Some(d) = self.disturbance else {
@@ -158,7 +158,7 @@ impl Scenario {
         (0..=last).map(at).collect()
     }
 
-    /// The last step of each axis' reference, for a start at `initial` [rad].
+    /// The last step of each axis' reference, for a start at `initial` \[rad\].
     pub fn steps(&self, initial: PerAxis<f64>) -> PerAxis<Option<Step>> {
         let last = self.last_tick();
         let trajectory = self.trajectory::<f64>();

@@ -123,7 +123,7 @@ proptest! {
         scenario.duration = 1.0;
         let objective = Objective::new(Criterion::Ise, &rig, &scenario, fidelity, 1);
         let asked = |bound| -> Vec<Candidate> {
-            let of = |g: &GainsFile| Candidate { position: g.gains().to_paper_order().to_vec(), bound };
+            let of = |g: &GainsFile| Candidate { position: g.gains().expect("the paper's law").to_paper_order().to_vec(), bound };
             gains.iter().map(of).collect()
         };
         let whole = objective.costs(&asked(f64::INFINITY));

@@ -1,6 +1,6 @@
 //! The estimator that needs no model: differences of the measured angle through a first-order low pass.
 
-use super::Estimate;
+use super::{Estimate, bilinear_decay};
 use crate::axes::PerAxis;
 use crate::plant::State;
 use crate::real::Real;
@@ -20,13 +20,13 @@ pub struct FilteredDerivative<R> {
 }
 
 impl<R: Real> FilteredDerivative<R> {
-    /// At rest at `angle` [rad]; `bandwidth` [rad/s], `sample_time` [s].
+    /// At rest at `angle` \[rad\]; `bandwidth` \[rad/s\], `sample_time` \[s\].
     pub fn new(bandwidth: PerAxis<R>, angle: PerAxis<R>, sample_time: R) -> Self {
         let keep = bandwidth.map(|w| bilinear_decay(w * sample_time));
         Self { keep, take: keep.map(|a| (R::one() - a) / sample_time), last: angle, rate: PerAxis::zero() }
     }
 
-    /// Takes the measured angles [rad].
+    /// Takes the measured angles \[rad\].
     #[inline(always)]
     pub fn update(&mut self, measured: PerAxis<R>) -> Estimate<R> {
         let moved = measured.minus(self.last);
@@ -34,14 +34,6 @@ impl<R: Real> FilteredDerivative<R> {
         self.rate = self.keep.zip(self.rate, |a, v| a * v).plus(self.take.zip(moved, |b, d| b * d));
         Estimate::exact(State { angle: measured, rate: self.rate })
     }
-}
-
-/// What a first-order lag keeps of a difference after `phase` = ωT: (2 - ωT)/(2 + ωT), which is exp(-ωT) to third
-/// order. Basic arithmetic only, so the board and the host agree on it to the bit.
-#[inline(always)]
-pub fn bilinear_decay<R: Real>(phase: R) -> R {
-    let two = R::from_f64(2.0);
-    (two - phase) / (two + phase)
 }
 
 #[cfg(test)]

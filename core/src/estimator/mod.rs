@@ -1,13 +1,21 @@
 //! Step 2 of the tick: from measured angles to angles, rates and what disturbs them.
 
+mod extended_state;
 mod filtered_derivative;
+mod luenberger;
+mod observer;
+#[cfg(test)]
+mod tests;
 
-pub use filtered_derivative::{FilteredDerivative, bilinear_decay};
+pub use extended_state::extended_state;
+pub use filtered_derivative::FilteredDerivative;
+pub use luenberger::luenberger;
+pub use observer::{Observer, ObserverGains};
 
-use crate::axes::{PerAxis, PerMotor};
-use crate::plant::State;
+use crate::axes::PerAxis;
+use crate::plant::{RigidBody, State};
 use crate::real::Real;
-use crate::validate::{Invalid, positive};
+use crate::validate::{Invalid, both, positive};
 use serde::{Deserialize, Serialize};
 
 /// What is believed of the helicopter.
@@ -36,6 +44,21 @@ pub enum EstimatorSettings<R> {
         /// \[rad/s\] Bandwidth of the low pass, above 0.
         bandwidth: PerAxis<R>,
     },
+    /// Model and rotors, fed by the volts really applied; see [`luenberger()`].
+    Luenberger {
+        /// \[rad/s\] Where the error's poles are, above 0.
+        bandwidth: PerAxis<R>,
+    },
+    /// The same, with a disturbance that it looks for; see [`extended_state()`].
+    ExtendedState {
+        /// \[rad/s\] Where the error's poles are, above 0.
+        bandwidth: PerAxis<R>,
+    },
+    /// The same with gains worked out elsewhere, such as a stationary Kalman filter's.
+    Observer {
+        /// l₁, l₂, l₃ of each axis.
+        gains: PerAxis<ObserverGains<R>>,
+    },
 }
 
 impl<R: Real> EstimatorSettings<R> {
@@ -44,22 +67,51 @@ impl<R: Real> EstimatorSettings<R> {
         Self::FilteredDerivative { bandwidth: PerAxis::both(bandwidth) }
     }
 
+    /// Does it need to know which torque acts?
+    pub const fn uses_model(&self) -> bool {
+        !matches!(self, Self::FilteredDerivative { .. })
+    }
+
     /// Each number through `f`.
-    pub fn map<U>(self, f: impl FnMut(R) -> U) -> EstimatorSettings<U> {
+    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> EstimatorSettings<U> {
         match self {
             Self::FilteredDerivative { bandwidth } => {
                 EstimatorSettings::FilteredDerivative { bandwidth: bandwidth.map(f) }
             }
+            Self::Luenberger { bandwidth } => EstimatorSettings::Luenberger { bandwidth: bandwidth.map(f) },
+            Self::ExtendedState { bandwidth } => {
+                EstimatorSettings::ExtendedState { bandwidth: bandwidth.map(f) }
+            }
+            Self::Observer { gains } => EstimatorSettings::Observer { gains: gains.map(|g| g.map(&mut f)) },
         }
     }
 }
 
-impl EstimatorSettings<f64> {
-    /// Every number finite and above zero.
-    pub fn validate(&self) -> Result<(), Invalid> {
-        let Self::FilteredDerivative { bandwidth } = self;
-        positive("estimator.filtered-derivative.bandwidth.pitch", bandwidth.pitch)?;
-        positive("estimator.filtered-derivative.bandwidth.yaw", bandwidth.yaw)
+impl<R: Real<Mask = bool>> EstimatorSettings<R> {
+    /// Every number usable.
+    ///
+    /// # Errors
+    /// Names the field.
+    pub fn validate(&self) -> Result<(), Invalid<R>> {
+        match *self {
+            Self::FilteredDerivative { bandwidth }
+            | Self::Luenberger { bandwidth }
+            | Self::ExtendedState { bandwidth } => {
+                both(["estimator.bandwidth.pitch", "estimator.bandwidth.yaw"], bandwidth, positive)
+            }
+            Self::Observer { gains } => {
+                gains.pitch.validate([
+                    "estimator.gains.pitch.angle",
+                    "estimator.gains.pitch.rate",
+                    "estimator.gains.pitch.disturbance",
+                ])?;
+                gains.yaw.validate([
+                    "estimator.gains.yaw.angle",
+                    "estimator.gains.yaw.rate",
+                    "estimator.gains.yaw.disturbance",
+                ])
+            }
+        }
     }
 }
 
@@ -68,23 +120,46 @@ impl EstimatorSettings<f64> {
 pub enum Estimator<R> {
     /// See [`FilteredDerivative`].
     FilteredDerivative(FilteredDerivative<R>),
+    /// See [`Observer`].
+    Observer(Observer<R>),
 }
 
 impl<R: Real> Estimator<R> {
-    /// Ready to start at `angle` [rad], at rest, called every `sample_time` [s].
+    /// Ready to start at `angle` \[rad\], at rest, called every `sample_time` \[s\].
     pub fn new(settings: &EstimatorSettings<R>, angle: PerAxis<R>, sample_time: R) -> Self {
+        let observer = |gains| Self::Observer(Observer::new(gains, angle, sample_time));
         match *settings {
             EstimatorSettings::FilteredDerivative { bandwidth } => {
                 Self::FilteredDerivative(FilteredDerivative::new(bandwidth, angle, sample_time))
             }
+            EstimatorSettings::Luenberger { bandwidth } => {
+                observer(bandwidth.map(|w| luenberger(w, sample_time)))
+            }
+            EstimatorSettings::ExtendedState { bandwidth } => {
+                observer(bandwidth.map(|w| extended_state(w, sample_time)))
+            }
+            EstimatorSettings::Observer { gains } => observer(gains),
         }
     }
 
-    /// What the angles measured now [rad] say. `applied` [V] acts on the rotors from now to the next tick.
+    /// What the angles measured now \[rad\] say. `torque` \[N m\] is what the motors give from now to the next tick.
     #[inline(always)]
-    pub fn update(&mut self, measured: PerAxis<R>, _applied: PerMotor<R>) -> Estimate<R> {
+    pub fn update(&mut self, measured: PerAxis<R>, model: &RigidBody<R>, torque: PerAxis<R>) -> Estimate<R> {
         match self {
             Self::FilteredDerivative(e) => e.update(measured),
+            Self::Observer(o) => {
+                let estimate = o.correct(measured);
+                o.predict(&estimate, model.at(&estimate.state).accel(torque));
+                estimate
+            }
         }
     }
+}
+
+/// What a first-order lag keeps of a difference after `phase` = ωT: (2 - ωT)/(2 + ωT), which is exp(-ωT) to third
+/// order. Basic arithmetic only, so the board and the host agree on it to the bit.
+#[inline(always)]
+pub(crate) fn bilinear_decay<R: Real>(phase: R) -> R {
+    let two = R::from_f64(2.0);
+    (two - phase) / (two + phase)
 }

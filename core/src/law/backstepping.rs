@@ -8,11 +8,10 @@
 //!
 //! We differ from the paper in one term: opposing torque includes K_sp sin θ where the rig has it.
 
-use super::ControlLaw;
+use super::{ControlLaw, Situation};
 use crate::axes::PerAxis;
 use crate::estimator::Estimate;
 use crate::gains::{AxisGains, Gains};
-use crate::plant::RigidBody;
 use crate::real::Real;
 use crate::reference::Reference;
 
@@ -41,7 +40,7 @@ impl<R: Real> Errors<R> {
 }
 
 impl<R: Real> Backstepping<R> {
-    /// With these gains [1/s].
+    /// With these gains \[1/s\].
     pub fn new(gains: Gains<R>) -> Self {
         Self { gains }
     }
@@ -57,19 +56,15 @@ impl<R: Real> Backstepping<R> {
 
 impl<R: Real> ControlLaw<R> for Backstepping<R> {
     #[inline(always)]
-    fn torque(
-        &mut self,
-        model: &RigidBody<R>,
-        estimate: &Estimate<R>,
-        reference: &Reference<R>,
-    ) -> PerAxis<R> {
-        let errors = self.errors(estimate, reference);
-        let rate_of_angle_error = reference.rate.minus(estimate.state.rate);
+    fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
+        let reference = now.reference;
+        let errors = self.errors(now.estimate, reference);
+        let rate_of_angle_error = now.rate_error();
         // ẍ_d + μ_a ξ̇_a + ξ_a + μ_b ξ_b, the bracket of eqs (26)-(27).
         let accel = |accel: R, g: AxisGains<R>, angle_error: R, its_rate: R, rate_error: R| {
             accel + g.position * its_rate + angle_error + g.rate * rate_error
         };
-        model.at(&estimate.state).torque(PerAxis {
+        now.dynamics.torque(PerAxis {
             pitch: accel(
                 reference.accel.pitch,
                 self.gains.pitch,
@@ -92,7 +87,7 @@ impl<R: Real> ControlLaw<R> for Backstepping<R> {
 mod tests {
     use super::*;
     use crate::gains;
-    use crate::plant::{State, presets};
+    use crate::plant::{RigidBody, State, presets};
     use proptest::prelude::*;
 
     fn pair(range: core::ops::Range<f64>) -> impl Strategy<Value = PerAxis<f64>> {
@@ -112,7 +107,7 @@ mod tests {
                 let mut law = Backstepping::new(Gains::from_paper_order(k));
                 let estimate = Estimate::exact(State { angle, rate });
                 let reference = Reference { angle: want, rate: want_rate, accel: want_accel };
-                let torque = law.torque(&body, &estimate, &reference);
+                let torque = law.torque(&Situation::new(&body, &estimate, &reference));
                 let accel = body.at(&estimate.state).accel(torque);
 
                 let e = law.errors(&estimate, &reference);
@@ -137,7 +132,7 @@ mod tests {
             let [a, b, c, d] = gains::PAPER.to_paper_order();
             let estimate = Estimate::exact(State { angle, rate });
             let reference = Reference::at_rest(want);
-            let torque = |k| Backstepping::new(Gains::from_paper_order(k)).torque(&body, &estimate, &reference);
+            let torque = |k| Backstepping::new(Gains::from_paper_order(k)).torque(&Situation::new(&body, &estimate, &reference));
             let (one, other) = (torque([a, b, c, d]), torque([b, a, d, c]));
             prop_assert!((one.pitch - other.pitch).abs() < 1e-12);
             prop_assert!((one.yaw - other.yaw).abs() < 1e-12);
@@ -149,7 +144,8 @@ mod tests {
         let body = RigidBody::new(&presets::PAPER.plant);
         let angle = PerAxis::new(0.3, -0.5);
         let mut law = Backstepping::new(gains::PAPER);
-        let torque = law.torque(&body, &Estimate::exact(State::at_rest(angle)), &Reference::at_rest(angle));
+        let (estimate, reference) = (Estimate::exact(State::at_rest(angle)), Reference::at_rest(angle));
+        let torque = law.torque(&Situation::new(&body, &estimate, &reference));
         assert!((torque.pitch - 1.075 * 9.8 * 0.002 * 0.3_f64.cos()).abs() < 1e-15);
         assert_eq!(torque.yaw, 0.0);
     }

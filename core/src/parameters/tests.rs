@@ -1,7 +1,8 @@
 use super::ram_flash::{AREA_SIZE, PAGE_SIZE, PowerCut, RamFlash, RamFlashError};
 use super::store::{MAX_PAYLOAD, SLOT_SIZE, Store, StoreError};
 use super::*;
-use crate::gains;
+use crate::gains::{self, Gains};
+use crate::law::LawSettings;
 use crate::plant::presets;
 use std::boxed::Box;
 use std::vec::Vec;
@@ -177,17 +178,25 @@ fn every_preset_makes_a_record_that_comes_back() {
     }
 }
 
+/// The gains of the law that [`parameters`] has.
+fn gain(p: &mut Parameters) -> &mut Gains<f32> {
+    match &mut p.settings.controller.law {
+        LawSettings::Backstepping(gains) => gains,
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn a_value_out_of_range_is_named() {
     type Spoil = fn(&mut Parameters);
     let cases: [(&str, Spoil); 12] = [
-        ("settings", |p| p.settings.gains.pitch.rate = f32::NAN),
+        ("settings", |p| gain(p).pitch.rate = f32::NAN),
         ("settings", |p| p.settings.model.damping.yaw = f32::INFINITY),
         ("sample_time", |p| p.settings.sample_time = 2e-3),
         ("model.inertia.yaw", |p| p.settings.model.inertia.yaw = 0.0),
         ("effectiveness", |p| p.settings.effectiveness = crate::plant::Effectiveness::zero()),
         ("volts_limit.tail", |p| p.settings.volts_limit.tail = -1.0),
-        ("pitch.position", |p| p.settings.gains.pitch.position = 0.0),
+        ("pitch.position", |p| gain(p).pitch.position = 0.0),
         ("encoders.yaw.angle_per_count", |p| p.encoders.yaw.angle_per_count = 0.0),
         ("limits.pitch", |p| p.limits.pitch = 1.6),
         ("limits.supply_high", |p| p.limits.supply_high = p.limits.supply_low),

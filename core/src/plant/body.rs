@@ -14,7 +14,7 @@ pub struct State<R> {
 }
 
 impl<R: Real> State<R> {
-    /// At rest at `angle` [rad].
+    /// At rest at `angle` \[rad\].
     #[inline(always)]
     pub fn at_rest(angle: PerAxis<R>) -> Self {
         Self { angle, rate: PerAxis::zero() }
@@ -90,7 +90,7 @@ impl<R: Real> RigidBody<R> {
 }
 
 impl<R: Real> Dynamics<R> {
-    /// \[rad/s²\] q̈ for a torque [N m]: eqs (3)-(4).
+    /// \[rad/s²\] q̈ for a torque \[N m\]: eqs (3)-(4).
     #[inline(always)]
     pub fn accel(&self, torque: PerAxis<R>) -> PerAxis<R> {
         PerAxis {
@@ -99,7 +99,7 @@ impl<R: Real> Dynamics<R> {
         }
     }
 
-    /// \[N m\] The torque that gives an acceleration [rad/s²]: eqs (3)-(4) the other way round.
+    /// \[N m\] The torque that gives an acceleration \[rad/s²\]: eqs (3)-(4) the other way round.
     #[inline(always)]
     pub fn torque(&self, accel: PerAxis<R>) -> PerAxis<R> {
         PerAxis {

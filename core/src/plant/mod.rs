@@ -39,7 +39,7 @@ pub type IdealPlant<R> = Plant<R, IdealRotors<R>>;
 pub type RealPlant<R> = Plant<R, LaggedRotors<R>>;
 
 impl<R: Real, T: Thrust<R>> Plant<R, T> {
-    /// A helicopter at `state` with its rotors at rest, stepping by `step` [s].
+    /// A helicopter at `state` with its rotors at rest, stepping by `step` \[s\].
     pub fn new(parameters: &PlantParameters<f64>, state: State<R>, step: f64) -> Self {
         Self::assemble(parameters.map(R::from_f64), T::new(parameters, step), state, step)
     }
@@ -71,7 +71,7 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         &self.rotors
     }
 
-    /// One step with `volts` held and `disturbance` [V] added to the volts in effect.
+    /// One step with `volts` held and `disturbance` \[V\] added to the volts in effect.
     #[inline(always)]
     pub fn advance(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) {
         let [begin, middle, end] = self.rotors.over_step(volts, disturbance);

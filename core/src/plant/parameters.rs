@@ -30,7 +30,7 @@ impl<R: Real> Effectiveness<R> {
         Self { main_on_pitch: value, tail_on_pitch: value, main_on_yaw: value, tail_on_yaw: value }
     }
 
-    /// The torque on each axis [N m] of `volts`: eqs (5)-(6), U = K V.
+    /// The torque on each axis \[N m\] of `volts`: eqs (5)-(6), U = K V.
     #[inline(always)]
     pub fn torque(&self, volts: PerMotor<R>) -> PerAxis<R> {
         PerAxis {

@@ -50,6 +50,8 @@ pub struct Motor {
     pub resistance: f64,
     /// \[V s/rad\] Back-EMF constant, numerically also N m/A.
     pub back_emf: f64,
+    /// \[N m s/rad\] Torque that the turning propeller takes for each rad/s.
+    pub drag: f64,
     /// \[A\] Most for an instant.
     pub peak_current: f64,
     /// \[A\] Most for long.
@@ -67,9 +69,10 @@ const PWM_STEPS: u32 = 2_100;
 const NO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
 
-/// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous).
+/// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous; propeller
+/// drag 8e-5 N m s/rad).
 const AERO_MOTOR: Motor =
-    Motor { resistance: 8.4, back_emf: 0.042, peak_current: 2.0, continuous_current: 0.5 };
+    Motor { resistance: 8.4, back_emf: 0.042, drag: 8e-5, peak_current: 2.0, continuous_current: 0.5 };
 
 /// Table 3 as printed, limits ±24 V (section 5). In the rig's world, what the paper is silent on: the encoders of
 /// the Aero 2 (user manual: 2880 and 4096 counts) and a rotor lag of .05 s (an estimate from R and k_m of the
@@ -250,6 +253,7 @@ impl Rig {
         };
         positive("motor.resistance", motor.resistance)?;
         positive("motor.back_emf", motor.back_emf)?;
+        not_negative("motor.drag", motor.drag)?;
         positive("motor.peak_current", motor.peak_current)?;
         positive("motor.continuous_current", motor.continuous_current)
     }

@@ -9,17 +9,17 @@ use super::{Effectiveness, PlantParameters};
 use crate::axes::{PerAxis, PerMotor};
 use crate::real::Real;
 
-/// Torque on the body at the beginning, the middle and the end of a step [N m].
+/// Torque on the body at the beginning, the middle and the end of a step \[N m\].
 pub type TorqueOverStep<R> = [PerAxis<R>; 3];
 
 /// What turns the volts of one step into torque.
 pub trait Thrust<R: Real> {
-    /// From the plant's constants and the length of a step [s].
+    /// From the plant's constants and the length of a step \[s\].
     fn new(parameters: &PlantParameters<f64>, step: f64) -> Self
     where
         Self: Sized;
 
-    /// The torque over a step during which `volts` are applied and `disturbance` [V] is added to the volts in
+    /// The torque over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts in
     /// effect, after the lag.
     fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R>;
 }
@@ -55,6 +55,17 @@ pub struct LaggedRotors<R> {
 }
 
 impl<R: Real> LaggedRotors<R> {
+    /// Each number through `f`, in a fixed order: what puts rotors of different plants side by side in lanes.
+    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> LaggedRotors<U> {
+        LaggedRotors {
+            linear: self.linear.map(&mut f),
+            quadratic: self.quadratic.map(&mut f),
+            half_decay: self.half_decay.map(&mut f),
+            reaction: self.reaction.map(&mut f),
+            volts: self.volts.map(&mut f),
+        }
+    }
+
     #[inline(always)]
     fn torque(&self, applied: PerMotor<R>, disturbance: PerMotor<R>) -> PerAxis<R> {
         let acting = self.volts.plus(disturbance);
@@ -95,7 +106,7 @@ impl<R: Real> Thrust<R> for LaggedRotors<R> {
     }
 }
 
-/// exp(-time/tau): what is left of a first-order lag's difference after `time` [s]; 0 for a `tau` of 0.
+/// exp(-time/tau): what is left of a first-order lag's difference after `time` \[s\]; 0 for a `tau` of 0.
 pub fn decay(time: f64, tau: f64) -> f64 {
     if tau > 0.0 { libm::exp(-time / tau) } else { 0.0 }
 }

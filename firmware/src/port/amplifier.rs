@@ -13,7 +13,7 @@ use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::timer::{Ch1, Ch2, Ch3, Ch4};
 use twinrotor::axes::PerMotor;
 
-/// [counts] Half a PWM period: 168 MHz / 20 kHz / 2.
+/// \[counts\] Half a PWM period: 168 MHz / 20 kHz / 2.
 const TOP: u16 = 4_200;
 /// 1 ms: 40 x 4200 / 168 MHz.
 const HALF_PERIODS: u16 = 40;

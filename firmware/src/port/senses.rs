@@ -13,7 +13,7 @@ use embassy_stm32::{interrupt, pac};
 /// One tick's view.
 #[derive(Clone, Copy)]
 pub(crate) struct Sensed {
-    /// [V] Supply of the amplifiers, converted since the last tick.
+    /// \[V\] Supply of the amplifiers, converted since the last tick.
     pub(crate) supply: f32,
     /// That conversion is done, and both encoders' timers count.
     pub(crate) fresh: bool,

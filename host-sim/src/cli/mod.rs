@@ -4,10 +4,12 @@
 
 mod bench;
 mod common;
+mod compare;
 mod flash;
 mod simulate;
 mod tables;
 mod tune;
+mod tune_robust;
 
 use crate::error::{Failure, Outcome};
 use clap::error::ErrorKind;
@@ -29,6 +31,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Breed gains by flower pollination, set them beside the paper's and write them to a file
     Tune(tune::Args),
+    /// Controllers side by side on hundreds of plants that none was tuned on
+    Compare(compare::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
@@ -44,6 +48,7 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Flash(args) => flash::run(&args),
     };

@@ -1,7 +1,7 @@
 //! `tune`: breed gains.
 
 use super::common::{Common, catch_interrupts, interrupted, pair};
-use super::{print, print_json, tables};
+use super::{print, print_json, tables, tune_robust};
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::figures;
 use crate::flight::{self, Fidelity, Flight, Plan, Scalar};
@@ -26,20 +26,20 @@ use twinrotor::gains::{self, NAMES};
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
     /// Search method: fpa-paper (the paper's Fig. 4), fpa-yang (as published), fpa-demo (the widespread demo code)
     #[arg(long, default_value = "fpa-paper")]
-    algorithm: String,
-    /// What to minimise
+    pub(super) algorithm: String,
+    /// What to minimise: an integral of the error, or the robust objective over many plants (with --fidelity rig)
     #[arg(long, default_value = "ise")]
-    objective: Criterion,
+    objective: Goal,
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
     #[arg(long, default_value = "step")]
     scenario: String,
     /// The paper's world or the rig's
     #[arg(long, default_value = "ideal")]
     fidelity: Fidelity,
-    /// How long each candidate flies [s] instead of the scenario's duration
+    /// How long each candidate flies \[s\] instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     horizon: Option<f64>,
     /// Flowers, N
@@ -53,7 +53,7 @@ pub(super) struct Args {
     bounds: String,
     /// Where to write the gains
     #[arg(long, value_name = "FILE", default_value = "gains.toml")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Where to draw both step responses (.svg or .png) [default: beside the gains, as .svg]
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -65,7 +65,34 @@ pub(super) struct Args {
     resume: bool,
     /// Stop after this many seconds with the best so far
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    time_limit: Option<f64>,
+    pub(super) time_limit: Option<f64>,
+    /// Robust: which controller's design to start from
+    #[arg(long, default_value = "integral", value_name = "NAME")]
+    pub(super) controller: String,
+    /// Robust: start from these gains instead
+    #[arg(long, value_name = "FILE")]
+    pub(super) start: Option<String>,
+    /// Robust: which parameters to tune, such as yaw,filter.bandwidth.pitch [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(super) parameters: Vec<String>,
+    /// Robust: on how many plants
+    #[arg(long, value_name = "N", default_value_t = 32)]
+    pub(super) plants: usize,
+    /// Robust: searches one after the other, each around the best so far and within less
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub(super) rounds: usize,
+    /// Robust: factor within which each parameter is searched at first
+    #[arg(long, value_name = "FACTOR", default_value_t = 4.0, allow_negative_numbers = true)]
+    pub(super) range: f64,
+}
+
+/// What can be minimised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Goal {
+    Ise,
+    Iae,
+    Itae,
+    Robust,
 }
 
 const ALGORITHMS: [(&str, Variant); 3] =
@@ -78,6 +105,8 @@ const NEAR_A_BOUND: f64 = 0.02;
 struct Request {
     named: NamedRig,
     scenario: Scenario,
+    /// Of the error, where that is what is minimised.
+    criterion: Criterion,
     settings: FpaSettings,
     bounds: [f64; 2],
     plot: PathBuf,
@@ -87,8 +116,11 @@ struct Request {
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let begun = Instant::now();
     let request = resolve(args)?;
+    if args.objective == Goal::Robust {
+        return tune_robust::run(args, &request.named, request.settings);
+    }
     let objective = Objective::new(
-        args.objective,
+        request.criterion,
         &request.named.rig,
         &request.scenario,
         args.fidelity,
@@ -104,7 +136,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let mut found = Objective::controller(&best.position);
     found.provenance = Some(Provenance {
         preset: request.named.name.clone(),
-        objective: name_of(args.objective),
+        objective: name_of(request.criterion),
         algorithm: args.algorithm.clone(),
         seed: args.common.seed,
         evaluations: search.evaluations(),
@@ -136,6 +168,17 @@ fn resolve(args: &Args) -> Outcome<Request> {
         scenario.duration = at_least("--horizon", horizon, 0.0, true)?;
     }
     scenario.validate()?;
+    let criterion = match args.objective {
+        Goal::Ise => Criterion::Ise,
+        Goal::Iae => Criterion::Iae,
+        Goal::Itae => Criterion::Itae,
+        Goal::Robust if args.fidelity == Fidelity::Rig => Criterion::Ise,
+        Goal::Robust => {
+            return Err(Failure::Input(
+                "--objective is robust, --fidelity ideal; allowed: --fidelity rig with it".to_owned(),
+            ));
+        }
+    };
     let variant = *known_name("algorithm", &args.algorithm, &ALGORITHMS)?;
     let settings = FpaSettings {
         population_size: args.population,
@@ -154,7 +197,7 @@ fn resolve(args: &Args) -> Outcome<Request> {
         None => None,
     };
     let time_limit = time_limit.transpose().map_err(|e| Failure::Input(format!("--time-limit: {e}")))?;
-    Ok(Request { named, scenario, settings, bounds, plot, time_limit })
+    Ok(Request { named, scenario, criterion, settings, bounds, plot, time_limit })
 }
 
 /// A search at its beginning, or where its checkpoint left it.
@@ -165,7 +208,7 @@ fn begin(args: &Args, request: &Request) -> Outcome<Search> {
         request.named.rig,
         request.scenario,
         args.fidelity,
-        name_of(args.objective),
+        name_of(request.criterion),
         args.common.seed,
         request.bounds,
         request.settings,
@@ -232,7 +275,7 @@ fn title(args: &Args, request: &Request) -> String {
         request.named.name,
         request.scenario.name,
         args.algorithm,
-        name_of(args.objective).to_uppercase()
+        name_of(request.criterion).to_uppercase()
     )
 }
 
@@ -266,7 +309,7 @@ fn document<'a>(
     Document {
         algorithm: &args.algorithm,
         preset: &request.named.name,
-        objective: args.objective,
+        objective: request.criterion,
         scenario: &request.scenario.name,
         fidelity: args.fidelity,
         seed: args.common.seed,
@@ -292,7 +335,7 @@ fn summary(
     wall: f64,
 ) -> String {
     let mut text = String::new();
-    let objective_name = name_of(args.objective).to_uppercase();
+    let objective_name = name_of(request.criterion).to_uppercase();
     let paper = objective.cost(&GainsFile::paper());
     let best = search.best().map_or(f64::INFINITY, |b| b.cost);
     let Steps { simulated, skipped } = search.steps();
@@ -333,7 +376,8 @@ fn shown(path: &Path) -> String {
 }
 
 fn gain_rows(table: &mut comfy_table::Table, found: &GainsFile) {
-    let (paper, tuned) = (gains::PAPER.to_paper_order(), found.gains().to_paper_order());
+    let (paper, tuned) =
+        (gains::PAPER.to_paper_order(), found.gains().expect("the paper's law").to_paper_order());
     for (k, name) in NAMES.iter().enumerate() {
         tables::add(
             table,
@@ -365,7 +409,7 @@ fn bound_warnings(request: &Request, found: &GainsFile) -> String {
     let [low, high] = request.bounds;
     let near = NEAR_A_BOUND * (high - low);
     let mut text = String::new();
-    for (name, value) in NAMES.iter().zip(found.gains().to_paper_order()) {
+    for (name, value) in NAMES.iter().zip(found.gains().expect("the paper's law").to_paper_order()) {
         let bound = if value - low < near {
             low
         } else if high - value < near {

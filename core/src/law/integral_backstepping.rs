@@ -1,0 +1,94 @@
+//! Backstepping with an integral of its own: the paper's construction with one step more.
+//!
+//! Per axis, with the integral χ of ξ_a, virtual rate x_2d = ẋ_d + μ_a ξ_a + λ χ and ξ_b = x_2d - ẋ, take
+//! M = (γ λ χ² + γ ξ_a² + ξ_b²)/2. Since ξ̇_a = ξ_b - μ_a ξ_a - λ χ, its cross terms cancel and
+//! Ṁ = -γ μ_a ξ_a² - μ_b ξ_b² under
+//!
+//! ẍ = ẍ_d + μ_a ξ̇_a + λ ξ_a + γ ξ_a + μ_b ξ_b,
+//!
+//! as long as no voltage clips, the model is exact and nothing disturbs. A constant disturbance moves the resting point of χ
+//! alone: no offset is left. γ = 1 and λ = 0 is eqs (26)-(27). The weight γ frees the damping: the closed loop has
+//! K_p = γ + λ + μ_a μ_b, K_d = μ_a + μ_b, K_i = λ μ_b.
+
+use super::integrator::integrated;
+use super::{ControlLaw, Situation};
+use crate::axes::PerAxis;
+use crate::real::Real;
+use crate::validate::{Invalid, not_negative, positive};
+use serde::{Deserialize, Serialize};
+
+/// The gains of one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IntegralGains<R> {
+    /// \[1/s\] μ_a, of the angle error. Above 0.
+    pub position: R,
+    /// \[1/s\] μ_b, of the rate error. Above 0.
+    pub rate: R,
+    /// \[1/s²\] γ, weight of the angle error in the Lyapunov function. At least 0; 1 in the paper.
+    pub weight: R,
+    /// \[1/s²\] λ, of the integral of the angle error. At least 0.
+    pub integral: R,
+}
+
+impl<R: Real> IntegralGains<R> {
+    /// Each number through `f`.
+    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> IntegralGains<U> {
+        IntegralGains {
+            position: f(self.position),
+            rate: f(self.rate),
+            weight: f(self.weight),
+            integral: f(self.integral),
+        }
+    }
+}
+
+impl<R: Real<Mask = bool>> IntegralGains<R> {
+    /// Usable gains, under the names of one axis.
+    pub(super) fn validate(&self, fields: [&'static str; 4]) -> Result<(), Invalid<R>> {
+        let [position, rate, weight, integral] = fields;
+        positive(position, self.position)?;
+        positive(rate, self.rate)?;
+        not_negative(weight, self.weight)?;
+        not_negative(integral, self.integral)
+    }
+}
+
+/// The law at work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntegralBackstepping<R> {
+    gains: PerAxis<IntegralGains<R>>,
+    sample_time: R,
+    /// χ \[rad s\].
+    integral: PerAxis<R>,
+}
+
+impl<R: Real> IntegralBackstepping<R> {
+    /// With an empty integral; `sample_time` \[s\].
+    pub fn new(gains: PerAxis<IntegralGains<R>>, sample_time: R) -> Self {
+        Self { gains, sample_time, integral: PerAxis::zero() }
+    }
+}
+
+impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
+    #[inline(always)]
+    fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
+        let (error, slope) = (now.angle_error(), now.rate_error());
+        let accel = |g: IntegralGains<R>, error: R, slope: R, integral: R| {
+            let rate_error = slope + g.position * error + g.integral * integral;
+            g.position * slope + (g.weight + g.integral) * error + g.rate * rate_error
+        };
+        let PerAxis { pitch, yaw } = self.gains;
+        let feedback = PerAxis {
+            pitch: accel(pitch, error.pitch, slope.pitch, self.integral.pitch),
+            yaw: accel(yaw, error.yaw, slope.yaw, self.integral.yaw),
+        };
+        now.dynamics.torque(now.reference.accel.plus(feedback))
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+        let gained = now.angle_error().scaled(self.sample_time);
+        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped));
+    }
+}

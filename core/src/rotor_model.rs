@@ -1,0 +1,104 @@
+//! The rotors as the controller believes them: from the volts really applied to the volts in effect, and to torque.
+//!
+//! Thrust follows the volts with a lag of .05 to .16 s, which is longer than the closed loop takes to react. An observer that
+//! is fed the volts asked for, or takes them to act at once, mistakes the lag for a disturbance.
+
+use crate::axes::{PerAxis, PerMotor};
+use crate::plant::{Effectiveness, PlantParameters};
+use crate::real::{Mask, Real};
+
+/// First-order lag for each motor, and the torque of what is in effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotorModel<R> {
+    /// What is left of a difference after one tick: (2τ - T)/(2τ + T), at least 0.
+    keep: PerMotor<R>,
+    linear: Effectiveness<R>,
+    /// Thrust that grows with the square and reaction torque: computed only where the model has them.
+    extra: Option<Extra<R>>,
+    volts: PerMotor<R>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Extra<R> {
+    quadratic: Effectiveness<R>,
+    /// \[N m/V\] Reaction torque for each volt that the volts in effect gain in a tick, r/T.
+    reaction: PerMotor<R>,
+}
+
+impl<R: Real> RotorModel<R> {
+    /// At rest; `sample_time` \[s\].
+    pub fn new(model: &PlantParameters<R>, sample_time: R) -> Self {
+        let keep = |tau: R| ((tau + tau - sample_time) / (tau + tau + sample_time)).max(R::zero());
+        let q = &model.quadratic_effectiveness;
+        let r = &model.rotor_reaction;
+        let present = [q.main_on_pitch, q.tail_on_pitch, q.main_on_yaw, q.tail_on_yaw, r.main, r.tail]
+            .into_iter()
+            .any(|x| R::zero().lt(x.abs()).any());
+        Self {
+            keep: model.rotor_time_constant.map(keep),
+            linear: model.effectiveness,
+            extra: present.then(|| Extra { quadratic: *q, reaction: r.map(|r| r / sample_time) }),
+            volts: PerMotor::zero(),
+        }
+    }
+
+    /// \[V\] In effect at the end of the tick that [`RotorModel::advance`] has entered: when the command that is worked out
+    /// in this tick begins to act.
+    #[inline(always)]
+    pub fn volts(&self) -> PerMotor<R> {
+        self.volts
+    }
+
+    /// One tick on, with `applied` \[V\] from its beginning to its end: the mean torque of that time \[N m\].
+    #[inline(always)]
+    pub fn advance(&mut self, applied: PerMotor<R>) -> PerAxis<R> {
+        let before = self.volts;
+        let missing = self.keep.zip(before.minus(applied), |a, m| a * m);
+        self.volts = applied.plus(missing);
+        let mean = before.plus(self.volts).scaled(R::from_f64(0.5));
+        let torque = self.linear.torque(mean);
+        let Some(extra) = &self.extra else {
+            return torque;
+        };
+        let gained = extra.reaction.zip(self.volts.minus(before), |r, v| r * v);
+        let reaction = PerAxis { pitch: gained.tail, yaw: gained.main };
+        let squared = extra.quadratic.torque(mean.map(|v| v * v.abs()));
+        torque.plus(squared).plus(reaction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::{LaggedRotors, Thrust, presets};
+
+    /// Over any tick, the model's mean torque is the plant's (Simpson's mean of its three), where the model is right.
+    #[test]
+    fn gives_the_torque_of_the_plants_rotors() {
+        for (name, rig) in presets::ALL {
+            let mut model = RotorModel::<f64>::new(&rig.plant, 1e-3);
+            let mut plant = LaggedRotors::<f64>::new(&rig.plant, 1e-3);
+            for k in 0..500 {
+                let volts = PerMotor::new(
+                    if k % 100 < 50 { 12.0 } else { -5.0 },
+                    if k % 70 < 30 { -9.0 } else { 14.0 },
+                );
+                let [begin, middle, end] = plant.over_step(volts, PerMotor::zero());
+                let mean = begin.plus(middle.scaled(4.0)).plus(end).scaled(1.0 / 6.0);
+                let got = model.advance(volts);
+                let scale = rig.plant.effectiveness_at(10.0).torque(PerMotor::both(24.0));
+                let near = |a: f64, b: f64, s: f64| (a - b).abs() < 2e-4 * (s.abs() + 0.01);
+                assert!(near(got.pitch, mean.pitch, scale.pitch), "{name} {k} {got:?} {mean:?}");
+                assert!(near(got.yaw, mean.yaw, scale.yaw), "{name} {k} {got:?} {mean:?}");
+            }
+            assert!((model.volts().main - plant.volts.main).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn without_lag_the_volts_are_in_effect_after_one_tick() {
+        let mut model = RotorModel::<f32>::new(&presets::PAPER.plant.ideal(0.0).map(|x| x as f32), 1e-3);
+        model.advance(PerMotor::new(7.0, -3.0));
+        assert_eq!(model.volts(), PerMotor::new(7.0, -3.0));
+    }
+}

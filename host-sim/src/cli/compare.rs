@@ -1,0 +1,219 @@
+//! `compare`: controllers side by side on the same plants, none of which they were tuned on.
+
+use super::common::Common;
+use super::{print, print_json, tables};
+use crate::error::{Failure, Outcome, at_least, known_name};
+use crate::flight::Fidelity;
+use crate::gains_file::GainsFile;
+use crate::output;
+use crate::rig::NamedRig;
+use crate::robust::{self, CATALOGUE, Row, Trial, Tuning};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use twinrotor::axes::PerMotor;
+use twinrotor::controller::ControllerSettings;
+
+/// Flags of `compare`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// How many plants to draw around the preset
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    plants: usize,
+    /// The rig's world is the only one that controllers are compared in
+    #[arg(long, default_value = "rig")]
+    fidelity: Fidelity,
+    /// Which, by name or gains file, instead of all there are; 'ours' is always there
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    controllers: Vec<String>,
+    /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
+    #[arg(long, value_name = "S")]
+    true_lag: Option<f64>,
+    /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/rivals/PRESET/NAME.toml the others'
+    #[arg(long, value_name = "DIR", default_value = "gains")]
+    gains: PathBuf,
+    /// First tune every controller with the same budget of N searches of 500 evaluations, and write the gains into the folder
+    #[arg(long, value_name = "N")]
+    tune: Option<usize>,
+}
+
+/// The kinds of ours: which of them is kept is decided on the plants that it is tuned on.
+const OURS: [&str; 2] = ["integral", "cancelling"];
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    preset: &'a str,
+    fidelity: Fidelity,
+    plants: usize,
+    seed: u64,
+    rotor_lag: PerMotor<f64>,
+    controllers: Vec<Row>,
+}
+
+/// A seed of plants that no tuning uses: tuning draws from the seed itself.
+const UNSEEN: u64 = 1_000_000;
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let named = args.common.resolve()?;
+    if args.fidelity != Fidelity::Rig {
+        return Err(Failure::Input("--fidelity is ideal; allowed: rig".to_owned()));
+    }
+    if args.plants < 2 || args.plants > 100_000 {
+        return Err(Failure::Input(format!("--plants is {}; allowed: 2 to 100000", args.plants)));
+    }
+    if let Some(rounds) = args.tune {
+        tune_all(args, &named, rounds)?;
+    }
+    let controllers = controllers(args, &named)?;
+    let allowance = robust::allowance(&named.name, &named.rig);
+    let mut trial = Trial::new(&named.rig, args.plants, UNSEEN + args.common.seed, allowance);
+    if let Some(lag) = args.true_lag {
+        let lag = at_least("--true-lag", lag, 0.0, false)?;
+        for draw in &mut trial.plants {
+            draw.plant.rotor_time_constant = PerMotor::both(lag);
+        }
+    }
+    let ours = trial.scores(&controllers[0].1);
+    let rows: Vec<Row> = controllers
+        .iter()
+        .enumerate()
+        .map(|(k, (name, controller))| {
+            let uses = robust::uses(controller);
+            if k == 0 {
+                Row::new(name, &ours, None, uses)
+            } else {
+                Row::new(name, &trial.scores(controller), Some(&ours), uses)
+            }
+        })
+        .collect();
+    if args.common.json {
+        return print_json(&Document {
+            preset: &named.name,
+            fidelity: args.fidelity,
+            plants: args.plants,
+            seed: args.common.seed,
+            rotor_lag: named.rig.plant.rotor_time_constant,
+            controllers: rows,
+        });
+    }
+    print(&report(args, &named, &rows))
+}
+
+fn ours_path(args: &Args, named: &NamedRig) -> PathBuf {
+    args.gains.join(format!("{}.toml", file_stem(named)))
+}
+
+fn rival_path(args: &Args, named: &NamedRig, name: &str) -> PathBuf {
+    args.gains.join("rivals").join(file_stem(named)).join(format!("{name}.toml"))
+}
+
+fn file_stem(named: &NamedRig) -> String {
+    Path::new(&named.name)
+        .file_stem()
+        .map_or_else(|| named.name.clone(), |s| s.to_string_lossy().into_owned())
+}
+
+fn rivals() -> impl Iterator<Item = &'static str> {
+    CATALOGUE.iter().map(|(name, _)| *name).filter(|name| !OURS.contains(name))
+}
+
+/// Ours first, then what was asked for, or all.
+fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, ControllerSettings<f64>)>> {
+    let load = |path: &Path| Ok::<_, Failure>(GainsFile::load(&path.display().to_string())?.controller);
+    let mut list = vec![("ours".to_owned(), load(&ours_path(args, named))?)];
+    let asked: Vec<String> = if args.controllers.is_empty() {
+        rivals().map(str::to_owned).collect()
+    } else {
+        args.controllers.iter().filter(|name| *name != "ours").cloned().collect()
+    };
+    for name in asked {
+        let controller = if name == "paper" {
+            GainsFile::paper().controller
+        } else if Path::new(&name).extension().is_some_and(|e| e == "toml") {
+            load(Path::new(&name))?
+        } else {
+            known_name("controller", &name, &CATALOGUE)?;
+            load(&rival_path(args, named, &name))?
+        };
+        list.push((name, controller));
+    }
+    Ok(list)
+}
+
+/// Tunes ours and every rival with the same budget on the same plants, and writes their gains.
+fn tune_all(args: &Args, named: &NamedRig, rounds: usize) -> Outcome<()> {
+    if rounds == 0 || rounds > 1000 {
+        return Err(Failure::Input(format!("--tune is {rounds}; allowed: 1 to 1000")));
+    }
+    let tuning = Tuning::standard(named, rounds, args.common.seed);
+    let wanted = |name: &str| args.controllers.is_empty() || args.controllers.iter().any(|c| c == name);
+    if wanted("ours") {
+        let kinds: Vec<GainsFile> = OURS.iter().map(|name| tuning.run(name)).collect::<Outcome<Vec<_>>>()?;
+        let best = kinds.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        save(&ours_path(args, named), &best.expect("two kinds"))?;
+    }
+    for name in rivals().filter(|name| *name != "paper" && wanted(name)) {
+        save(&rival_path(args, named, name), &tuning.run(name)?)?;
+    }
+    Ok(())
+}
+
+fn cost(file: &GainsFile) -> f64 {
+    file.provenance.as_ref().map_or(f64::INFINITY, |p| p.cost)
+}
+
+fn save(path: &Path, file: &GainsFile) -> Outcome<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Failure::Run(format!("{}: cannot be made: {e}", folder.display())))?;
+    }
+    output::write(path, file.to_toml().as_bytes())
+}
+
+fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
+    let mut table = tables::table(&[
+        "controller",
+        "J",
+        "fail",
+        "c 5/50/95 %",
+        "ts2 p/y [s]",
+        "ts2 95 %",
+        "OS 95 % p/y",
+        "dist RMS p/y [deg]",
+        "hold RMS p/y [deg]",
+        "V/s",
+        "sat [s]",
+        "p",
+    ]);
+    for r in rows {
+        let pair = |v: twinrotor::axes::PerAxis<f64>, digits: usize| {
+            format!("{:.digits$}/{:.digits$}", v.pitch, v.yaw)
+        };
+        tables::add(
+            &mut table,
+            [
+                r.name.clone(),
+                format!("{:.3}", r.total),
+                r.failures.to_string(),
+                format!("{:.2}/{:.2}/{:.2}", r.cost.p5, r.cost.median, r.cost.p95),
+                pair(r.settling_time_2, 2),
+                pair(r.settling_p95, 2),
+                pair(r.overshoot_p95, 1),
+                pair(r.disturbance_rms_deg, 3),
+                pair(r.hold_rms_deg, 3),
+                format!("{:.0}", r.voltage_variation),
+                format!("{:.2}", r.saturation_time),
+                r.p_value.map_or_else(String::new, |p| format!("{p:.1e}")),
+            ],
+        );
+    }
+    let uses: Vec<String> = rows.iter().map(|r| format!("  {:<15} {}", r.name, r.uses.join(", "))).collect();
+    format!(
+        "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\nuses:\n{}\n",
+        named.name,
+        args.plants,
+        args.common.seed,
+        uses.join("\n")
+    )
+}

@@ -1,0 +1,175 @@
+//! `tune --objective robust`: any parameter of any controller, on many plants at once.
+
+use super::common::{catch_interrupts, interrupted};
+use super::tune::Args;
+use super::{print, print_json, tables};
+use crate::error::{Failure, Outcome, at_least, known_name};
+use crate::gains_file::{GainsFile, Provenance};
+use crate::optimise::FpaSettings;
+use crate::output;
+use crate::rig::NamedRig;
+use crate::robust::{self, CATALOGUE, Plan, Terms, Trial, Tuned};
+use crate::scenario::SAMPLE_TIME;
+use crate::tunable::Tunable;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::fmt::Write;
+use std::time::Instant;
+use twinrotor::controller::ControllerSettings;
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    algorithm: &'a str,
+    preset: &'a str,
+    objective: &'static str,
+    seed: u64,
+    plants: usize,
+    evaluations: usize,
+    cost: f64,
+    wall_s: f64,
+    horizon_s: f64,
+    tick_s: f64,
+    steps_simulated: u64,
+    steps_skipped: u64,
+    terms: Terms,
+    failures: usize,
+    gains: &'a GainsFile,
+    history: &'a [(usize, f64)],
+}
+
+/// Tunes, writes and reports.
+pub(super) fn run(args: &Args, named: &NamedRig, fpa: FpaSettings) -> Outcome<()> {
+    let begun = Instant::now();
+    let start = start(args, named)?;
+    let tunable = Tunable::new(&start, &args.parameters)?;
+    at_least("--range", args.range, 1.0, true)?;
+    if args.plants == 0 || args.plants > 100_000 {
+        return Err(Failure::Input(format!("--plants is {}; allowed: 1 to 100000", args.plants)));
+    }
+    if args.rounds == 0 || args.rounds > 1_000 {
+        return Err(Failure::Input(format!("--rounds is {}; allowed: 1 to 1000", args.rounds)));
+    }
+    let seed = args.common.seed;
+    let trial = Trial::new(&named.rig, args.plants, seed, robust::allowance(&named.name, &named.rig));
+    let plan = Plan { fpa, rounds: args.rounds, range: args.range, seed };
+    let tuned = search(args, &trial, &tunable, &plan, begun);
+
+    let mut file = GainsFile { controller: tuned.controller, provenance: None };
+    file.provenance = Some(Provenance {
+        preset: named.name.clone(),
+        objective: format!("robust, {} plants", args.plants),
+        algorithm: format!("{}, {} rounds", args.algorithm, args.rounds),
+        seed,
+        evaluations: tuned.evaluations,
+        cost: tuned.cost,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    });
+    output::write(&args.out, file.to_toml().as_bytes())?;
+
+    let before = trial.scores(&start);
+    let after = trial.scores(&tuned.controller);
+    if args.common.json {
+        print_json(&Document {
+            algorithm: &args.algorithm,
+            preset: &named.name,
+            objective: "robust",
+            seed,
+            plants: args.plants,
+            evaluations: tuned.evaluations,
+            cost: tuned.cost,
+            wall_s: begun.elapsed().as_secs_f64(),
+            horizon_s: 2.0 * trial.allowance,
+            tick_s: SAMPLE_TIME,
+            steps_simulated: trial.steps() * tuned.evaluations as u64,
+            steps_skipped: 0,
+            terms: Terms::mean(after.iter().map(robust::Score::terms)),
+            failures: after.iter().filter(|s| s.failed).count(),
+            gains: &file,
+            history: &tuned.history,
+        })?;
+    } else {
+        print(&summary(args, named, &tunable, &tuned, [&before, &after], begun))?;
+    }
+    if tuned.stopped && interrupted() { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// The controller that the search starts from: a gains file's, or a design of the catalogue.
+fn start(args: &Args, named: &NamedRig) -> Outcome<ControllerSettings<f64>> {
+    if let Some(path) = &args.start {
+        return Ok(GainsFile::load(path)?.controller);
+    }
+    let design = known_name("controller", &args.controller, &CATALOGUE)?;
+    Ok(design(&named.rig))
+}
+
+fn search(args: &Args, trial: &Trial, tunable: &Tunable, plan: &Plan, begun: Instant) -> Tuned {
+    catch_interrupts();
+    let each = plan.fpa.population_size * (plan.fpa.iterations + 1);
+    let bar = ProgressBar::new((1 + plan.rounds * each) as u64);
+    let style =
+        ProgressStyle::with_template("{prefix} {bar:32} {pos}/{len} evaluations, best {msg}, {eta} left");
+    bar.set_style(style.expect("the template is well-formed"));
+    bar.set_prefix(args.algorithm.clone());
+    let tuned = robust::tune(trial, tunable, plan, |evaluations, cost| {
+        bar.set_position(evaluations as u64);
+        bar.set_message(format!("{cost:.4}"));
+        let late = args.time_limit.is_some_and(|limit| begun.elapsed().as_secs_f64() >= limit);
+        !(interrupted() || late)
+    });
+    bar.finish_and_clear();
+    tuned
+}
+
+fn summary(
+    args: &Args,
+    named: &NamedRig,
+    tunable: &Tunable,
+    tuned: &Tuned,
+    [before, after]: [&[robust::Score]; 2],
+    begun: Instant,
+) -> String {
+    let mut text = format!(
+        "{} on preset {}, robust objective, {} plants: {} evaluations in {:.1} s\n",
+        args.algorithm,
+        named.name,
+        args.plants,
+        tuned.evaluations,
+        begun.elapsed().as_secs_f64()
+    );
+    let mut table = tables::table(&["", "start", "tuned"]);
+    let found =
+        Tunable::new(&tuned.controller, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
+    for ((name, start), found) in tunable.names().iter().zip(tunable.start()).zip(found) {
+        tables::add(&mut table, [name.clone(), format!("{start:.4}"), format!("{found:.4}")]);
+    }
+    let mean = |scores: &[robust::Score]| Terms::mean(scores.iter().map(robust::Score::terms));
+    let (old, new) = (mean(before), mean(after));
+    for ((name, a), (_, b)) in old.named().into_iter().zip(new.named()) {
+        tables::add(&mut table, [format!("mean of term: {name}"), format!("{a:.4}"), format!("{b:.4}")]);
+    }
+    let costs = |scores: &[robust::Score]| scores.iter().map(robust::Score::cost).collect::<Vec<_>>();
+    tables::add(
+        &mut table,
+        ["mean(c)".to_owned(), format!("{:.4}", old.total()), format!("{:.4}", new.total())],
+    );
+    tables::add(
+        &mut table,
+        [
+            "q90(c)".to_owned(),
+            format!("{:.4}", robust::quantile(&costs(before), 0.9)),
+            format!("{:.4}", robust::quantile(&costs(after), 0.9)),
+        ],
+    );
+    tables::add(
+        &mut table,
+        [
+            "J = mean(c) + q90(c)/2".to_owned(),
+            format!("{:.4}", robust::total(before)),
+            format!("{:.4}", robust::total(after)),
+        ],
+    );
+    let failures = |scores: &[robust::Score]| scores.iter().filter(|s| s.failed).count().to_string();
+    tables::add(&mut table, ["failures".to_owned(), failures(before), failures(after)]);
+    let _ = writeln!(text, "{table}\ngains: {}", args.out.display());
+    text
+}

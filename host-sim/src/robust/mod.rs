@@ -1,0 +1,74 @@
+//! The robust objective: how a controller does on many plants that are not the one it believes in, in the rig's world.
+//!
+//! The step is 15° of pitch and 40° of yaw from rest at zero with the rotors at rest; at T_d a constant disturbance sets in, and the
+//! flight lasts 2 T_d. For each plant
+//!
+//! c = ts_pitch + ts_yaw + .05 (overshoot, both) + (RMS error after T_d, both) + .5 (RMS error in the last second before T_d, both)
+//! + .001 (voltage variation in that second) + .5 (time in saturation)
+//!
+//! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which plants there are.
+
+mod catalogue;
+mod comparison;
+mod cost;
+mod kernel;
+mod plants;
+mod riccati;
+mod tuning;
+
+pub use catalogue::{CATALOGUE, Design, uses};
+pub use comparison::{Row, Spread, signed_rank};
+pub use cost::{Score, Terms, quantile, total};
+pub use kernel::STEP_DEG;
+pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
+pub use riccati::{kalman, lqr};
+pub use tuning::{Plan, Tuned, Tuning, tune};
+
+use crate::lanes::LANES;
+use crate::scenario::SAMPLE_TIME;
+use kernel::Schedule;
+use rayon::prelude::*;
+use twinrotor::controller::ControllerSettings;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
+use twinrotor::real::Real;
+use twinrotor::reference::ticks;
+
+/// A rig and the plants around it.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// What the controller believes.
+    pub rig: Rig,
+    /// What it flies.
+    pub plants: Vec<Draw>,
+    /// \[s\] T_d.
+    pub allowance: f64,
+}
+
+impl Trial {
+    /// `count` plants around `rig`, drawn by `seed`, with the disturbance at `allowance` \[s\].
+    pub fn new(rig: &Rig, count: usize, seed: u64, allowance: f64) -> Self {
+        Self { rig: *rig, plants: draw(rig, count, seed), allowance }
+    }
+
+    /// The scores of a controller, in the order of the plants.
+    pub fn scores(&self, controller: &ControllerSettings<f64>) -> Vec<Score> {
+        let settings = Settings::new(&self.rig, *controller, SAMPLE_TIME).map(f32::from_f64);
+        let disturbance = ticks(self.allowance, SAMPLE_TIME);
+        let when = Schedule { disturbance, end: 2 * disturbance };
+        self.plants
+            .par_chunks(LANES)
+            .flat_map_iter(|group| kernel::scores(&self.rig, &settings, group, when))
+            .collect()
+    }
+
+    /// J.
+    pub fn cost(&self, controller: &ControllerSettings<f64>) -> f64 {
+        total(&self.scores(controller))
+    }
+
+    /// Closed-loop steps of one evaluation.
+    pub fn steps(&self) -> u64 {
+        2 * u64::from(ticks(self.allowance, SAMPLE_TIME)) * self.plants.len() as u64
+    }
+}

@@ -1,0 +1,104 @@
+//! The plants that a controller must be robust against: drawn around a preset, each with its own disturbance and encoder phase.
+
+use rand::{Rng, RngExt};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::plant::presets::{self, Rig};
+use twinrotor::plant::{Effectiveness, PlantParameters};
+
+/// A plant, and what befalls it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Draw {
+    /// Its constants.
+    pub plant: PlantParameters<f64>,
+    /// \[V\] The constant that is added to the volts in effect from the disturbance time on.
+    pub disturbance: PerMotor<f64>,
+    /// \[counts\] 0..1: where between two counts the start lies.
+    pub encoder_phase: PerAxis<f64>,
+}
+
+/// Spread of the body's constants and thrust gains: uniform, each on its own, within this part of the preset's.
+pub const SPREAD: f64 = 0.3;
+/// Spread of each rotor's lag.
+pub const LAG_SPREAD: f64 = 0.7;
+/// \[V\] Largest disturbance of each motor.
+pub const DISTURBANCE: f64 = 2.0;
+
+/// `count` plants around `rig`. The same seed gives the same plants, and the first of many are those of few.
+///
+/// L, both inertias, both dampings, K_sp and the four thrust gains (linear and quadratic part by one factor) are uniform within
+/// ±30 %, lags within ±70 %, disturbances within ±2 V. Mass, gravity, friction and reaction torque are the preset's.
+pub fn draw(rig: &Rig, count: usize, seed: u64) -> Vec<Draw> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    // Another stream than scenario disturbances and encoder phases of the same seed.
+    rng.set_stream(2);
+    (0..count).map(|_| one(&rig.plant, &mut rng)).collect()
+}
+
+fn one(nominal: &PlantParameters<f64>, rng: &mut impl Rng) -> Draw {
+    let mut around = |value: f64, spread: f64| value * rng.random_range(1.0 - spread..1.0 + spread);
+    let center_of_mass = around(nominal.center_of_mass, SPREAD);
+    let inertia = nominal.inertia.map(|x| around(x, SPREAD));
+    let damping = nominal.damping.map(|x| around(x, SPREAD));
+    let stiffness = around(nominal.stiffness, SPREAD);
+    let factors =
+        Effectiveness { main_on_pitch: 1.0, tail_on_pitch: 1.0, main_on_yaw: 1.0, tail_on_yaw: 1.0 }
+            .map(|x| around(x, SPREAD));
+    let rotor_time_constant = nominal.rotor_time_constant.map(|x| around(x, LAG_SPREAD));
+    let plant = PlantParameters {
+        center_of_mass,
+        inertia,
+        damping,
+        stiffness,
+        effectiveness: nominal.effectiveness.zip(factors, |k, f| k * f),
+        quadratic_effectiveness: nominal.quadratic_effectiveness.zip(factors, |k, f| k * f),
+        rotor_time_constant,
+        ..*nominal
+    };
+    let mut volts = || rng.random_range(-DISTURBANCE..DISTURBANCE);
+    let disturbance = PerMotor::new(volts(), volts());
+    let encoder_phase = PerAxis::new(rng.random(), rng.random());
+    Draw { plant, disturbance, encoder_phase }
+}
+
+/// \[s\] T_d: how long a rig has for the step, which is when the disturbance comes. Slower machines get more; one of your own gets
+/// fifty times its longer rotor lag, rounded up, and at least 4 s.
+pub fn allowance(name: &str, rig: &Rig) -> f64 {
+    let known = [("paper", 4), ("paper-fixed", 4), ("aero", 5), ("aero-lab", 5), ("aero2", 8), ("heli", 6)];
+    debug_assert!(presets::ALL.iter().all(|(preset, _)| known.iter().any(|(k, _)| k == preset)));
+    let lag = rig.plant.rotor_time_constant;
+    known
+        .iter()
+        .find(|(preset, _)| *preset == name)
+        .map_or((50.0 * lag.main.max(lag.tail)).ceil().max(4.0), |(_, seconds)| f64::from(*seconds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_are_within_their_spread_and_fill_it() {
+        let rig = presets::AERO;
+        let plants = draw(&rig, 500, 3);
+        assert_eq!(plants[..20], draw(&rig, 20, 3));
+        assert_ne!(plants[0], draw(&rig, 1, 4)[0]);
+        let ratios = |of: fn(&PlantParameters<f64>) -> f64| {
+            let r: Vec<f64> = plants.iter().map(|d| of(&d.plant) / of(&rig.plant)).collect();
+            (r.iter().copied().fold(f64::MAX, f64::min), r.iter().copied().fold(f64::MIN, f64::max))
+        };
+        for of in [
+            (|p| p.inertia.pitch) as fn(&PlantParameters<f64>) -> f64,
+            |p| p.damping.yaw,
+            |p| p.stiffness,
+            |p| p.effectiveness.main_on_yaw,
+        ] {
+            let (low, high) = ratios(of);
+            assert!((0.7..0.72).contains(&low) && (1.28..1.3).contains(&high), "{low} {high}");
+        }
+        let (low, high) = ratios(|p| p.rotor_time_constant.tail);
+        assert!((0.3..0.32).contains(&low) && (1.68..1.7).contains(&high));
+        assert!(plants.iter().all(|d| d.disturbance.main.abs() < 2.0 && d.plant.mass == rig.plant.mass));
+    }
+}

@@ -1,0 +1,264 @@
+//! The board around the part: what its pins are wired to, and how a rig meets them.
+
+use std::num::{NonZeroU32, NonZeroU64};
+
+use rigless::cpu::armv7m as cpu;
+use rigless::device::Level;
+use rigless::machine::{Board as Described, Target, armv7m};
+use rigless::mcu::Mcu;
+use rigless::snapshot::Store;
+use rigless::time::VirtualNanos;
+
+use crate::chip::timer::{Drive, Side, Timer};
+use crate::chip::{INTERRUPT_LINES, Stm32f405};
+use crate::serial::Line;
+use crate::wiring::{self, Encoder, Wire};
+
+/// The core's clock, and the rate at which it retires instructions: one a cycle, which is what a
+/// "virtual" second is made of.
+pub const CORE_HZ: u64 = 168_000_000;
+
+/// What the rig puts on the board's connectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inputs {
+    /// \[counts\] edges of the pitch and the yaw encoder since it was at rest, four to a line.
+    pub counts: [i64; 2],
+    /// \[V\] of the amplifiers' supply.
+    pub supply: f64,
+    /// The emergency stop is pressed: its contact is open.
+    pub emergency_stop: bool,
+    /// The amplifiers report a fault or their current limit.
+    pub amplifier_fault: bool,
+}
+
+impl Default for Inputs {
+    fn default() -> Self {
+        Self { counts: [0; 2], supply: 24.0, emergency_stop: false, amplifier_fault: false }
+    }
+}
+
+/// What the board puts on its connectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outputs {
+    /// When.
+    pub at: VirtualNanos,
+    /// \[counts\] the PWM timer's compare values as latched, and its reload value.
+    pub compare: [u64; 4],
+    pub reload: u64,
+    /// What the legs of the main and the tail motor's bridge do.
+    pub legs: [[Drive; 2]; 2],
+    /// The amplifiers are switched on.
+    pub enabled: bool,
+    /// The status LED is lit.
+    pub lit: bool,
+}
+
+impl Outputs {
+    /// The mean voltage across each motor, main and tail, as a share of the supply, -1 to 1: what lies
+    /// between its bridge's two legs. A leg that nothing drives is pulled to ground.
+    pub fn duty(&self) -> [f64; 2] {
+        self.legs.map(|[forward, back]| {
+            let share = |leg: Drive| leg.share_high().unwrap_or(0.0);
+            if self.enabled { share(forward) - share(back) } else { 0.0 }
+        })
+    }
+
+    /// What the compare values ask of each motor, in steps from zero: the duty, but for the dead time that takes a pulse
+    /// off the bridge near either end. Zero where the duty is, with the amplifiers or the PWM off.
+    pub fn steps(&self) -> [i64; 2] {
+        let middle = i64::try_from(self.reload / 2).expect("16 bits");
+        [0, 1].map(|motor| {
+            let driven = self.enabled && !self.legs[motor].contains(&Drive::Released);
+            let compare = i64::try_from(self.compare[motor]).expect("16 bits");
+            if driven { compare - middle } else { 0 }
+        })
+    }
+
+    /// Whether a motor could turn.
+    pub fn live(&self) -> bool {
+        self.duty().into_iter().any(|share| share.abs() > 0.0)
+    }
+}
+
+/// The board.
+#[derive(Debug)]
+pub struct Board {
+    chip: Stm32f405,
+    inputs: Inputs,
+    /// The counts already turned into the timers.
+    turned: [i64; 2],
+    protects_memory: bool,
+}
+
+impl Store for Board {}
+
+impl Board {
+    /// A board out of power-on; `seed` decides what chance decides. Without `protects_memory` the core's memory protection
+    /// unit takes no effect, which a firmware that never violates it cannot tell, and the emulator runs twice as fast.
+    ///
+    /// # Errors
+    ///
+    /// If the part's description contradicts itself.
+    pub fn new(seed: u64, protects_memory: bool) -> Result<Self, rigless::soc::Error> {
+        let mut chip = Stm32f405::new(seed)?;
+        let (port, _) = wiring::SERIAL;
+        chip.serial(port).attach(Line::default());
+        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2], protects_memory })
+    }
+
+    /// The microcontroller.
+    pub fn chip(&mut self) -> &mut Stm32f405 {
+        &mut self.chip
+    }
+
+    /// The host's end of the serial line.
+    pub fn line(&mut self) -> &mut Line {
+        let (port, _) = wiring::SERIAL;
+        let far = self.chip.serial(port).chip_mut::<Line>();
+        far.expect("attached when the board was made")
+    }
+
+    /// What the rig puts on the connectors from `at` on.
+    pub fn apply(&mut self, at: VirtualNanos, inputs: Inputs) {
+        self.inputs = inputs;
+        self.connect(at);
+    }
+
+    /// What is on the connectors now.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
+    }
+
+    fn connected(&self, wire: Wire) -> bool {
+        self.chip.pin_function(wire.port, wire.pin) == wire.function
+    }
+
+    /// Takes the inputs to the pins, and from pins in the right function to what they reach. A pin in
+    /// another function is a wire to nowhere.
+    fn connect(&mut self, at: VirtualNanos) {
+        let Inputs { counts, supply, emergency_stop, amplifier_fault } = self.inputs;
+        let stop = wiring::EMERGENCY_STOP;
+        let stop_level = Level::from(emergency_stop);
+        self.chip.drive_pin(at, stop.port, stop.pin, Some(stop_level));
+        let fault = wiring::AMPLIFIER_FAULT;
+        let fault_level = Level::from(!amplifier_fault);
+        self.chip.drive_pin(at, fault.port, fault.pin, Some(fault_level));
+        let break_level = self.connected(stop).then_some(stop_level);
+        self.chip.timer(at, wiring::PWM_TIMER, |timer, registers, context| {
+            timer.set_break_input(break_level, registers, context);
+        });
+        let encoders = [wiring::PITCH_ENCODER, wiring::YAW_ENCODER];
+        for (nth, Encoder { timer, pins }) in encoders.into_iter().enumerate() {
+            let edges = counts[nth] - self.turned[nth];
+            self.turned[nth] = counts[nth];
+            if pins.into_iter().all(|pin| self.connected(pin)) {
+                self.chip.timer(at, timer, |timer, registers, context| {
+                    Timer::turn(timer, edges, registers, context);
+                });
+            }
+        }
+        let (converter, channel, divider) = wiring::SUPPLY;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few volts")]
+        let millivolts = (supply / divider * 1000.0).round().max(0.0) as u32;
+        self.chip.set_analog(converter, channel, millivolts);
+        self.chip.watch_rail(at);
+    }
+
+    /// The serial line, which may begin to speak in the middle of a millisecond.
+    fn connect_line(&mut self) {
+        let (port, pins) = wiring::SERIAL;
+        let connected = pins.into_iter().all(|pin| self.connected(pin));
+        let _ = self.chip.serial(port).silence(!connected);
+    }
+
+    /// What the board puts on its connectors at `at`.
+    pub fn outputs(&mut self, at: VirtualNanos) -> Outputs {
+        let legs = wiring::BRIDGES.map(|(channel, pins)| {
+            let sides = [(Side::Main, pins[0]), (Side::Complement, pins[1])];
+            sides.map(|(side, pin)| {
+                if self.connected(pin) {
+                    self.chip.timer_output(at, wiring::PWM_TIMER, channel, side)
+                } else {
+                    Drive::Released
+                }
+            })
+        });
+        let active = self.chip.timer(at, wiring::PWM_TIMER, |timer, _, _| *timer.counter().active());
+        Outputs {
+            at,
+            compare: active.compare,
+            reload: active.reload,
+            legs,
+            enabled: self.driven_high(wiring::AMPLIFIER_ENABLE),
+            lit: self.driven_high(wiring::STATUS_LED),
+        }
+    }
+
+    /// An output of the part that is high; everything it drives is pulled low outside.
+    fn driven_high(&self, wire: Wire) -> bool {
+        self.chip.pin_is_output(wire.port, wire.pin)
+            && self.chip.pin_level(wire.port, wire.pin) == Level::High
+    }
+}
+
+impl Described for Board {
+    fn name(&self) -> &'static str {
+        "virtual-board"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["stm32f405"]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(self)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        const fn some(value: u64) -> NonZeroU64 {
+            NonZeroU64::new(value).expect("not zero")
+        }
+        let core = armv7m::Core {
+            variant: armv7m::Variant::M4,
+            clock_hz: some(CORE_HZ),
+            interrupt_lines: NonZeroU32::from(std::num::NonZeroU16::new(INTERRUPT_LINES).expect("not zero")),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).expect("not zero"),
+            instructions_per_second: some(CORE_HZ),
+            boot: "flash",
+        };
+        let windows = cpu::windows(self.chip.bus());
+        let regions = if self.protects_memory { armv7m::MpuRegions::Eight } else { armv7m::MpuRegions::None };
+        let spec = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, regions);
+        vec![Target::new("stm32f405", self, spec)]
+    }
+}
+
+/// The part as the emulator sees it. What firmware does to a pin's function connects or disconnects it at the end of the
+/// millisecond, when the inputs are applied again, the serial line's excepted; looking at every stop would cost more than all the rest.
+impl Mcu for Board {
+    fn bus(&self) -> &rigless::soc::Bus {
+        self.chip.bus()
+    }
+
+    fn bus_mut(&mut self) -> &mut rigless::soc::Bus {
+        self.chip.bus_mut()
+    }
+
+    fn reset(&mut self, at: VirtualNanos, cause: rigless::device::ResetCause) {
+        self.chip.reset(at, cause);
+        self.connect(at);
+    }
+
+    fn poll(&mut self, now: VirtualNanos) {
+        self.connect_line();
+        self.chip.poll(now);
+    }
+
+    fn split(
+        &mut self,
+        slot: usize,
+    ) -> (&mut rigless::soc::Bus, Option<&mut dyn rigless::device::ErasedDevice>) {
+        self.chip.split(slot)
+    }
+}

@@ -1,0 +1,12 @@
+//! The virtual board: an emulated STM32F405 that runs the firmware's released ELF, unmodified, in
+//! lock-step with a simulated rig.
+
+pub mod board;
+pub mod chip;
+pub mod figures;
+pub mod firmware;
+pub mod helicopter;
+pub mod machine;
+pub mod serial;
+pub mod station;
+pub mod wiring;

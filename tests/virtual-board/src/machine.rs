@@ -1,0 +1,278 @@
+//! A run of a firmware on the board, in lock-step with a rig.
+//!
+//! The emulator runs on a thread of its own, and stops once a virtual millisecond: there the board's
+//! outputs are taken, the rig is stepped by a millisecond with them, and its inputs go to the pins.
+//! The stops keep half-way between two control ticks, so that a tick finds the rig as it was left half
+//! a millisecond before, and what it writes is in effect, or not, well before it is looked at.
+//!
+//! Whatever the firmware reaches that the board does not model ends the run with a [`Failure`] that says
+//! what, and from where in the firmware.
+
+mod gaps;
+mod lockstep;
+
+use std::any::Any;
+use std::fmt;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use rigless::emulator::{self, Start};
+use rigless::image::Image;
+use rigless::session::{Reset, Session};
+use rigless::time::VirtualNanos;
+
+use crate::board::{Board, Inputs, Outputs};
+use crate::chip::flash;
+use crate::firmware::Firmware;
+use lockstep::{Command, Lockstep, Until};
+pub use lockstep::{Live, TickRecord};
+
+/// One millisecond of virtual time.
+pub const MILLISECOND: u64 = 1_000_000;
+
+/// What the board is connected to.
+pub trait Rig: Any + Send {
+    /// A millisecond passes with the board's `outputs` in effect: what the rig's sensors say at its end.
+    fn step(&mut self, outputs: &Outputs) -> Inputs;
+}
+
+/// A rig at rest: nothing moves, the supply is on.
+#[derive(Debug, Default)]
+pub struct AtRest(pub Inputs);
+
+impl Rig for AtRest {
+    fn step(&mut self, _outputs: &Outputs) -> Inputs {
+        self.0
+    }
+}
+
+/// Why a run ended before it was asked to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure(pub String);
+
+impl fmt::Display for Failure {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// What a run starts from.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The firmware.
+    pub firmware: Firmware,
+    /// Bytes put into the flash beside it, by address: a gains image.
+    pub images: Vec<(u64, Vec<u8>)>,
+    /// The name of the function that is the control tick's interrupt.
+    pub tick: &'static str,
+    /// Decides what chance decides: the RAM at power-on, the bits of a cut-off flash operation.
+    pub seed: u64,
+    /// Accesses that the part refuses, with a bus error or because an instance's clock is off, are no failure: for a
+    /// firmware that is being wronged.
+    pub refusals_allowed: bool,
+    /// The core's memory protection unit takes effect: see [`Board::new`].
+    pub protects_memory: bool,
+}
+
+impl Setup {
+    /// `firmware` alone, its tick in TIM1's update interrupt.
+    pub fn new(firmware: Firmware) -> Self {
+        Self {
+            firmware,
+            images: Vec::new(),
+            tick: "TIM1_UP_TIM10",
+            seed: 1,
+            refusals_allowed: false,
+            protects_memory: false,
+        }
+    }
+
+    /// With `bytes` in the flash from `address` on.
+    #[must_use]
+    pub fn with_image(mut self, address: u64, bytes: Vec<u8>) -> Self {
+        self.images.push((address, bytes));
+        self
+    }
+
+    /// With another `seed`.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+}
+
+/// A board that runs.
+#[derive(Debug)]
+pub struct Machine {
+    commands: Option<SyncSender<Command>>,
+    replies: Receiver<Result<bool, Failure>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Machine {
+    /// Switches the board on, with `rig` connected. Nothing has run yet.
+    ///
+    /// # Panics
+    ///
+    /// If the firmware cannot be loaded.
+    pub fn start(setup: Setup, rig: impl Rig) -> Self {
+        let (commands, taken) = sync_channel(0);
+        let (reply, replies) = sync_channel(1);
+        let rig = Box::new(rig);
+        let thread = std::thread::spawn(move || {
+            if let Err(failure) = emulate(setup, rig, taken, reply.clone()) {
+                // Nobody may be left to hear it.
+                let _ = reply.send(Err(failure));
+            }
+        });
+        Self { commands: Some(commands), replies, thread: Some(thread) }
+    }
+
+    fn command(&mut self, command: Command) -> Result<bool, Failure> {
+        let sent = self.commands.as_ref().is_some_and(|to| to.send(command).is_ok());
+        match self.replies.recv() {
+            Ok(reply) => reply,
+            Err(_) if sent => Err(Failure("the emulator's thread died".into())),
+            Err(_) => Err(Failure("the run had already ended".into())),
+        }
+    }
+
+    /// Runs for `milliseconds`.
+    ///
+    /// # Errors
+    ///
+    /// If the firmware reached something that is not modelled.
+    pub fn try_run(&mut self, milliseconds: u64) -> Result<(), Failure> {
+        self.command(Command::Run(milliseconds, None)).map(|_| ())
+    }
+
+    /// Runs for `milliseconds`.
+    ///
+    /// # Panics
+    ///
+    /// If the firmware reached something that is not modelled.
+    #[track_caller]
+    pub fn run(&mut self, milliseconds: u64) {
+        if let Err(failure) = self.try_run(milliseconds) {
+            panic!("{failure}");
+        }
+    }
+
+    /// Runs until `reached` says so at a millisecond's end, at most `milliseconds`. Answers whether it
+    /// did.
+    ///
+    /// # Panics
+    ///
+    /// If the firmware reached something that is not modelled.
+    #[track_caller]
+    pub fn run_until(
+        &mut self,
+        milliseconds: u64,
+        reached: impl FnMut(&mut Live<'_>) -> bool + Send + 'static,
+    ) -> bool {
+        let until: Until = Box::new(reached);
+        match self.command(Command::Run(milliseconds, Some(until))) {
+            Ok(reached) => reached,
+            Err(failure) => panic!("{failure}"),
+        }
+    }
+
+    /// Looks at the board, or changes it, while it stands between two milliseconds.
+    ///
+    /// # Panics
+    ///
+    /// If the run has ended.
+    pub fn with<T: Send + 'static>(&mut self, act: impl FnOnce(&mut Live<'_>) -> T + Send + 'static) -> T {
+        let (result, taken) = sync_channel(1);
+        let act = Box::new(move |live: &mut Live<'_>| {
+            // The one that asked waits for it.
+            let _ = result.send(act(live));
+        });
+        if let Err(failure) = self.command(Command::With(act)) {
+            panic!("{failure}");
+        }
+        taken.recv().expect("answered before the command was")
+    }
+
+    /// The rig, as the type it was connected as.
+    ///
+    /// # Panics
+    ///
+    /// If it is another type, or the run has ended.
+    pub fn rig<R: Rig, T: Send + 'static>(&mut self, act: impl FnOnce(&mut R) -> T + Send + 'static) -> T {
+        self.with(move |live| act(live.rig()))
+    }
+
+    /// Puts bytes on the serial line to the board.
+    pub fn say(&mut self, bytes: &[u8]) {
+        let bytes = bytes.to_vec();
+        self.with(move |live| live.board().line().say(&bytes));
+    }
+
+    /// The bytes the board sent since the last call.
+    pub fn heard(&mut self) -> Vec<u8> {
+        self.with(|live| live.board().line().take_heard())
+    }
+
+    /// The board's outputs now.
+    pub fn outputs(&mut self) -> Outputs {
+        self.with(|live| live.outputs())
+    }
+
+    /// The board's outputs at every millisecond since the start, and where the control ticks were.
+    pub fn trace(&mut self) -> (Vec<Outputs>, Vec<TickRecord>) {
+        self.with(|live| (live.trace().to_vec(), live.ticks().to_vec()))
+    }
+
+    /// Every reset so far.
+    pub fn resets(&mut self) -> Vec<Reset> {
+        self.with(|live| live.resets().to_vec())
+    }
+
+    /// Now, and the instructions the core has retired.
+    pub fn now(&mut self) -> (VirtualNanos, u64) {
+        self.with(|live| live.now())
+    }
+}
+
+impl Drop for Machine {
+    fn drop(&mut self) {
+        self.commands = None;
+        if let Some(thread) = self.thread.take() {
+            // It failed where a test already heard of it, or panicked where nobody can be told.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn emulate(
+    setup: Setup,
+    rig: Box<dyn Rig>,
+    commands: Receiver<Command>,
+    replies: SyncSender<Result<bool, Failure>>,
+) -> Result<(), Failure> {
+    let fail = |why: &dyn fmt::Display| Failure(why.to_string());
+    let mut board = Board::new(setup.seed, setup.protects_memory).map_err(|why| fail(&why))?;
+    let mut images = vec![setup.firmware.image().clone()];
+    for (address, bytes) in &setup.images {
+        let name = format!("image at {address:#x}");
+        let image = Image::new(Path::new(&name), bytes.clone(), Some(*address));
+        images.push(image.map_err(|why| fail(&why))?);
+    }
+    for (address, bytes) in images.iter().flat_map(Image::segments) {
+        let end = flash::BASE + flash::SIZE as u64;
+        if (flash::BASE..end).contains(&address) {
+            board.chip().flash().place(address, bytes);
+        }
+    }
+    board.chip().start_unpowered();
+    let first = VirtualNanos(MILLISECOND);
+    let mut session = Session::new(Box::new(board), 0, first).map_err(|why| fail(&why))?;
+    let lockstep = Lockstep::new(setup, rig, commands, replies, first, &mut session)?;
+    emulator::run(session, &Start::new(&images), lockstep).map_err(|why| fail(&why))?;
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! Every hazard, brought about while the motors turn: the fault has its name, comes within the time its rule says, and the
+//! motors are off at most two ticks later.
+
+use twinrotor::axes::PerAxis;
+use twinrotor::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
+use twinrotor::plant::presets;
+use twinrotor::supervisor::{Condition, Request, State};
+use virtual_board::helicopter::Helicopter;
+use virtual_board::machine::Live;
+use virtual_board::station::Station;
+
+use super::{board_with, flying, make_ready, parameters};
+
+/// The tick in which the fault came, and its cause.
+#[track_caller]
+fn fault(station: &Station) -> (u32, Condition) {
+    let found = station.heard.frames.iter().find_map(|frame| match frame.state {
+        State::Fault(cause) => Some((frame.tick, cause)),
+        _ => None,
+    });
+    found.unwrap_or_else(|| panic!("no fault: {}", station.heard.summary()))
+}
+
+/// Ticks from that of the fault until the motors are off for good: no volts on them, the amplifiers disabled.
+fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
+    let (trace, ticks) = station.machine.trace();
+    let last_alive = trace.iter().filter(|outputs| outputs.enabled || outputs.live()).next_back();
+    let last_alive = last_alive.expect("it was armed").at;
+    let until_then = ticks.iter().filter(|tick| tick.at <= last_alive).count();
+    // The first tick has number 0, so this many ticks had run when the motors were last seen alive.
+    until_then.saturating_sub(fault as usize)
+}
+
+/// Brings a hazard about while flying, and checks all that must follow. `within` is its rule's time \[ticks\].
+#[track_caller]
+fn expect(cause: Condition, within: u32, hazard: impl FnOnce(&mut Station)) {
+    let mut station = flying();
+    let before = station.heard.frames.last().expect("frames").tick;
+    hazard(&mut station);
+    station.run(u64::from(within) + 100);
+    let (tick, found) = fault(&station);
+    assert_eq!(found, cause, "{}", station.heard.summary());
+    // Two ticks of grace: one until the rig is looked at, one that the tick takes to tell.
+    let taken = tick - before;
+    assert!(taken <= within + 2, "{cause:?} came after {taken} ticks, allowed are {within}");
+    let late = ticks_to_off(&mut station, tick);
+    assert!(late <= 2, "{cause:?}: {late} ticks from detection to motors off");
+    station.request(Request::Arm);
+    station.run(50);
+    // A tick without fresh sensors does not feed the watchdog, which then ends it all.
+    let latched = match station.heard.state() {
+        Some(State::Fault(Condition::ResetByWatchdog)) => cause == Condition::SensorStale,
+        state => state == Some(State::Fault(cause)),
+    };
+    assert!(latched, "a fault stays until it is cleared: {}", station.heard.summary());
+}
+
+fn with_rig(station: &mut Station, act: impl FnOnce(&mut Helicopter) + Send + 'static) {
+    station.machine.rig(act);
+}
+
+fn with_board(station: &mut Station, act: impl FnOnce(&mut Live<'_>) + Send + 'static) {
+    station.machine.with(act);
+}
+
+#[test]
+fn the_emergency_stop() {
+    expect(Condition::EmergencyStop, 1, |station| with_rig(station, |heli| heli.press(true, false)));
+}
+
+#[test]
+fn the_amplifiers_current_limit() {
+    expect(Condition::CurrentLimit, CURRENT_TICKS, |station| {
+        with_rig(station, |heli| heli.press(false, true))
+    });
+}
+
+#[test]
+fn a_supply_too_low() {
+    expect(Condition::SupplyRange, SUPPLY_TICKS + 1, |station| {
+        with_rig(station, |heli| heli.set_supply(10.0))
+    });
+}
+
+#[test]
+fn a_supply_too_high() {
+    expect(Condition::SupplyRange, SUPPLY_TICKS + 1, |station| {
+        with_rig(station, |heli| heli.set_supply(33.0))
+    });
+}
+
+#[test]
+fn an_encoder_that_jumps() {
+    expect(Condition::PitchJump, 1, |station| with_rig(station, |heli| heli.broken.slipped.pitch = 100));
+    expect(Condition::YawJump, 1, |station| with_rig(station, |heli| heli.broken.slipped.yaw = -100));
+}
+
+#[test]
+fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
+    let cases: [(Condition, fn(&mut Helicopter)); 4] = [
+        (Condition::PitchMotion, |heli| heli.broken.stuck.pitch = true),
+        (Condition::PitchMotion, |heli| heli.broken.reversed.pitch = true),
+        (Condition::YawMotion, |heli| heli.broken.stuck.yaw = true),
+        (Condition::YawMotion, |heli| heli.broken.reversed.yaw = true),
+    ];
+    for (cause, spoil) in cases {
+        expect(cause, 1_000, |station| {
+            with_rig(station, spoil);
+            station.aim(PerAxis::new(-0.3, -1.5));
+        });
+    }
+}
+
+#[test]
+fn pitch_beyond_the_envelope() {
+    expect(Condition::AngleEnvelope, 1_000, |station| station.aim(PerAxis::new(1.0, 0.2)));
+}
+
+#[test]
+fn a_rate_beyond_the_envelope() {
+    // Eight counts a millisecond are 17 rad/s; twelve would be a jump.
+    expect(Condition::RateEnvelope, 100, |station| with_rig(station, |heli| heli.broken.drifting.pitch = 8));
+}
+
+#[test]
+fn a_host_that_falls_silent() {
+    expect(Condition::CommandTimeout, 600, |station| {
+        station.attentive = false;
+        // Not yet: half a second is allowed.
+        station.run(400);
+        assert_eq!(station.heard.state(), Some(State::Armed));
+    });
+}
+
+#[test]
+fn a_converter_that_measures_no_more() {
+    // ADC1_CR2: off.
+    expect(Condition::SensorStale, 2, |station| with_board(station, |board| board.poke(0x4001_2008, 0)));
+}
+
+#[test]
+fn an_encoder_timer_that_counts_no_more() {
+    // TIM2_CR1: off.
+    expect(Condition::SensorStale, 2, |station| with_board(station, |board| board.poke(0x4000_0000, 0)));
+}
+
+#[test]
+fn a_tick_that_is_left_out() {
+    expect(Condition::TickOverrun, 5, |station| with_board(station, |board| board.stall(3)));
+}
+
+#[test]
+fn a_stack_that_is_nearly_used_up() {
+    expect(Condition::StackGuard, 1_100, |station| {
+        with_board(station, |board| {
+            let low = board.symbol("_stack_end") + 256;
+            board.set_word(low + 64, 0);
+        });
+    });
+}
+
+#[test]
+fn a_number_that_is_none() {
+    let rig = presets::PAPER;
+    let mut wild = parameters(&rig);
+    let gain = wild.settings.gains.to_paper_order().map(|_| 1e30_f32);
+    wild.settings.gains = twinrotor::gains::Gains::from_paper_order(gain);
+    let mut station = board_with(&rig, &wild);
+    station.send(&twinrotor::link::ToBoard::Telemetry { every: 1 });
+    make_ready(&mut station);
+    station.aim(PerAxis::new(0.2, 0.2));
+    station.request(Request::Arm);
+    station.run(100);
+    let (tick, cause) = fault(&station);
+    assert_eq!(cause, Condition::NonFinite);
+    let late = ticks_to_off(&mut station, tick);
+    assert!(late <= 2);
+    let turned = station.machine.trace().0.iter().any(|outputs| outputs.live());
+    assert!(!turned, "what is not a number gives no volts");
+}
+
+#[test]
+fn a_cleared_fault_arms_again_and_the_estimate_starts_afresh() {
+    let mut station = flying();
+    with_rig(&mut station, |heli| heli.press(true, false));
+    station.run(20);
+    station.request(Request::ClearFault);
+    station.run(20);
+    assert_eq!(
+        station.heard.state(),
+        Some(State::Fault(Condition::EmergencyStop)),
+        "the stop is still pressed"
+    );
+    with_rig(&mut station, |heli| heli.press(false, false));
+    station.run(20);
+    station.request(Request::ClearFault);
+    station.await_state(100, State::Ready);
+    station.request(Request::Arm);
+    station.await_state(100, State::Armed);
+    station.aim(PerAxis::new(0.1, 0.2));
+    station.run(2_000);
+    let last = station.heard.frames.last().expect("frames");
+    assert_eq!(last.state, State::Armed);
+    assert!((last.angle.pitch - 0.1).abs() < 0.02 && (last.angle.yaw - 0.2).abs() < 0.02, "{last:?}");
+}

@@ -1,0 +1,165 @@
+//! What flies is what the host computes: the board's compare values and telemetry against the core's own control loop on
+//! the host, with the same plant, tick for tick and bit for bit.
+
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::control_loop::{ControlLoop, Inputs, Outputs, Wish};
+use twinrotor::drive::Drive;
+use twinrotor::link::ToBoard;
+use twinrotor::parameters::Parameters;
+use twinrotor::plant::presets::{self, Rig};
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{Condition, Conditions, Request, State};
+use twinrotor::telemetry::Frame;
+use virtual_board::helicopter::Helicopter;
+
+use super::{board_with, make_ready, parameters};
+
+/// Ticks in the air.
+const TICKS: usize = 10_000;
+
+/// The board's loop on the host.
+struct Host {
+    helicopter: Helicopter,
+    control: ControlLoop,
+    drive: Drive<f32>,
+    supply: f32,
+    full_steps: i64,
+    before: Option<Outputs>,
+}
+
+impl Host {
+    fn new(rig: &Rig, parameters: &Parameters) -> Self {
+        let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
+        let helicopter = Helicopter::new(rig, supply);
+        let drive = Drive::new(rig.pwm_steps);
+        let control = ControlLoop::new(parameters, helicopter.counters(), drive, None);
+        let supply = helicopter.measured_supply();
+        Self { helicopter, control, drive, supply, full_steps: i64::from(rig.pwm_steps), before: None }
+    }
+
+    fn compute(&self, wish: Option<Wish>) -> (ControlLoop, Outputs) {
+        let mut control = self.control;
+        let outputs = control.tick(&Inputs {
+            counters: self.helicopter.counters(),
+            supply: self.supply,
+            current_limit: false,
+            senses: Conditions::NONE,
+            heard: true,
+            wish,
+        });
+        (control, outputs)
+    }
+
+    /// Takes a tick that was computed. Answers the compare values that are latched at it.
+    fn take(&mut self, (control, outputs): (ControlLoop, Outputs)) -> [i64; 2] {
+        self.control = control;
+        let duty = self.before.map_or(PerMotor::default(), |before| before.duty);
+        let volts = if outputs.enable { self.drive.volts(duty, self.supply) } else { PerMotor::zero() };
+        self.helicopter.advance(volts, outputs.enable);
+        self.before = Some(outputs);
+        [duty.main.steps(), duty.tail.steps()].map(|steps| self.full_steps + i64::from(steps))
+    }
+}
+
+/// Flies on the board, setpoint after setpoint; answers every frame and the latched compare values after each tick.
+fn fly(rig: &Rig, setpoints: &[PerAxis<f32>]) -> (Vec<Frame>, Vec<[i64; 2]>) {
+    let mut station = board_with(rig, &parameters(rig));
+    station.send(&ToBoard::Telemetry { every: 1 });
+    make_ready(&mut station);
+    station.aim(setpoints[0]);
+    station.run(50);
+    station.request(Request::Arm);
+    station.run(TICKS as u64 / setpoints.len() as u64 + 50);
+    for &setpoint in &setpoints[1..] {
+        station.aim(setpoint);
+        station.run(TICKS as u64 / setpoints.len() as u64 + 50);
+    }
+    let (trace, ticks) = station.machine.trace();
+    // The outputs that were looked at next after each tick.
+    let mut after = trace.iter().peekable();
+    let compares = ticks.iter().filter_map(|tick| {
+        while after.next_if(|outputs| outputs.at < tick.at).is_some() {}
+        let outputs = after.peek()?;
+        Some([0, 1].map(|motor| i64::try_from(outputs.compare[motor]).expect("16 bits")))
+    });
+    assert_eq!(station.heard.damaged, 0);
+    (station.heard.frames.clone(), compares.collect())
+}
+
+fn bits(frame: &Frame) -> Vec<u32> {
+    let axes = [frame.angle, frame.rate, frame.reference];
+    let motors = [frame.demand, frame.volts];
+    let axes = axes.iter().flat_map(|axis| [axis.pitch, axis.yaw]);
+    let motors = motors.iter().flat_map(|motor| [motor.main, motor.tail]);
+    axes.chain(motors).chain([frame.supply]).map(f32::to_bits).collect()
+}
+
+fn assert_equal(rig: &Rig, setpoints: &[PerAxis<f32>]) {
+    let (frames, compares) = fly(rig, setpoints);
+    let zeroed = frames.iter().position(|frame| !frame.conditions.contains(Condition::NotZeroed));
+    let zeroed = frames[zeroed.expect("it was zeroed")].tick;
+    let armed = frames.iter().find(|frame| frame.state == State::Armed).expect("it was armed").tick;
+    let mut host = Host::new(rig, &parameters(rig));
+    let mut waiting = setpoints.iter();
+    let mut compared = 0;
+    let mut frames = frames.iter().peekable();
+    for (tick, &compare) in (0_u32..).zip(&compares) {
+        let wish = match tick {
+            tick if tick + 1 == zeroed => Some(Wish::Zero),
+            tick if tick == armed => Some(Wish::Request(Request::Arm)),
+            _ => None,
+        };
+        let mut computed = host.compute(wish);
+        let frame = frames.next_if(|frame| frame.tick == tick);
+        if let Some(frame) = frame
+            && tick >= zeroed
+            && bits(frame) != bits(&computed.0.frame())
+            && let Some(&setpoint) = waiting.next()
+        {
+            // A setpoint that came over the link comes into this tick.
+            computed = host.compute(Some(Wish::Setpoint(Reference::at_rest(setpoint))));
+        }
+        if let Some(frame) = frame
+            && tick >= zeroed
+        {
+            assert_eq!(
+                bits(frame),
+                bits(&computed.0.frame()),
+                "tick {tick}: {frame:?} {:?}",
+                computed.0.frame()
+            );
+            assert_eq!(frame.state, computed.0.frame().state, "tick {tick}");
+        }
+        let expected = host.take(computed);
+        assert_eq!(compare, expected, "compare values latched at tick {tick}");
+        compared += usize::from(tick > armed && frame.is_some());
+    }
+    assert!(compared >= TICKS, "only {compared} ticks in the air were compared");
+    assert!(waiting.next().is_none(), "every setpoint came to bear");
+    let moved = compares.iter().filter(|&&compare| compare != [2100, 2100]).count();
+    assert!(moved > TICKS / 2, "the motors turned");
+}
+
+/// 15 and 40 degrees, the paper's step.
+const STEP: PerAxis<f32> = PerAxis { pitch: 0.261_799_4, yaw: 0.698_131_7 };
+const BACK: PerAxis<f32> = PerAxis { pitch: -0.05, yaw: 0.1 };
+
+#[test]
+fn the_papers_rig_flies_on_the_board_as_on_the_host() {
+    assert_equal(&presets::PAPER, &[STEP, BACK]);
+}
+
+#[test]
+fn an_aero_flies_on_the_board_as_on_the_host() {
+    assert_equal(&presets::AERO, &[STEP, BACK, STEP]);
+}
+
+#[test]
+fn an_aero_2_flies_on_the_board_as_on_the_host() {
+    assert_equal(&presets::AERO2, &[STEP]);
+}
+
+#[test]
+fn an_aero_with_real_friction_flies_on_the_board_as_on_the_host() {
+    assert_equal(&presets::AERO_LAB, &[BACK, STEP]);
+}
