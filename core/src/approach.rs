@@ -29,10 +29,8 @@ impl Approach {
         Self { setpoint: Reference::default(), moves: false, offset: PerAxis::zero(), rate, sample_time }
     }
 
-    /// The way begins at `angle` \[rad\].
+    /// The way begins at `angle` \[rad\], and a setpoint that moves begins to.
     pub fn begin(&mut self, angle: PerAxis<f32>) {
-        self.setpoint = Reference::at_rest(self.setpoint.angle);
-        self.moves = false;
         self.offset = angle.minus(self.setpoint.angle);
     }
 
