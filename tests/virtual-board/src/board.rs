@@ -1,6 +1,7 @@
 //! The board around the part: what its pins are wired to, and how a rig meets them.
 
 use std::num::{NonZeroU32, NonZeroU64};
+use std::sync::Arc;
 
 use rigless::cpu::armv7m as cpu;
 use rigless::device::Level;
@@ -12,6 +13,7 @@ use rigless::time::VirtualNanos;
 use crate::chip::timer::{Drive, Side, Timer};
 use crate::chip::{INTERRUPT_LINES, Stm32f405};
 use crate::serial::Line;
+use crate::warm_core::WarmCore;
 use crate::wiring::{self, Encoder, Wire};
 
 /// The core's clock, and the rate at which it retires instructions: one a cycle, which is what a
@@ -229,7 +231,9 @@ impl Described for Board {
         };
         let windows = cpu::windows(self.chip.bus());
         let regions = if self.protects_memory { armv7m::MpuRegions::Eight } else { armv7m::MpuRegions::None };
-        let spec = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, regions);
+        let mut spec = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, regions);
+        let cold = spec.processor;
+        spec.processor = Arc::new(move |endian| Ok(Box::new(WarmCore::new(cold(endian)?))));
         vec![Target::new("stm32f405", self, spec)]
     }
 }

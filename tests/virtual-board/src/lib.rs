@@ -9,4 +9,5 @@ pub mod helicopter;
 pub mod machine;
 pub mod serial;
 pub mod station;
+mod warm_core;
 pub mod wiring;

@@ -40,6 +40,8 @@ pub struct Station {
     /// What it said so far.
     pub heard: Heard,
     decoder: Decoder,
+    /// \[ms\] Since it last did.
+    silent: u64,
     /// Whether to tell the board ten times a second that somebody is there.
     pub attentive: bool,
 }
@@ -50,7 +52,7 @@ const ALIVE_EVERY: u64 = 100;
 impl Station {
     /// At `machine`, attentive.
     pub fn new(machine: Machine) -> Self {
-        Self { machine, heard: Heard::default(), decoder: Decoder::new(), attentive: true }
+        Self { machine, heard: Heard::default(), decoder: Decoder::new(), silent: 0, attentive: true }
     }
 
     /// Sends a message.
@@ -88,10 +90,11 @@ impl Station {
     pub fn try_run(&mut self, milliseconds: u64) -> Result<(), Failure> {
         let mut left = milliseconds;
         while left > 0 {
-            let stretch = left.min(ALIVE_EVERY);
-            if self.attentive {
+            let stretch = left.min(ALIVE_EVERY - self.silent);
+            if self.attentive && self.silent == 0 {
                 self.send(&ToBoard::Alive);
             }
+            self.silent = (self.silent + stretch) % ALIVE_EVERY;
             self.machine.try_run(stretch)?;
             self.listen();
             left -= stretch;
@@ -106,7 +109,7 @@ impl Station {
     /// If the firmware reached something that is not modelled.
     #[track_caller]
     pub fn run_until(&mut self, milliseconds: u64, mut came: impl FnMut(&Heard) -> bool) -> bool {
-        const LOOK_EVERY: u64 = 10;
+        const LOOK_EVERY: u64 = 2;
         for _ in 0..milliseconds.div_ceil(LOOK_EVERY) {
             self.run(LOOK_EVERY);
             if came(&self.heard) {
