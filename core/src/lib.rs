@@ -62,6 +62,7 @@ pub mod allocation;
 pub mod command_filter;
 pub mod controller;
 pub mod drive;
+
 pub mod encoder;
 pub mod estimator;
 pub mod law;
@@ -80,6 +81,7 @@ pub mod pipeline;
 
 pub mod link;
 pub mod parameters;
+pub mod defaults;
 
 /// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in degrees.
 pub const DEGREE: f64 = core::f64::consts::PI / 180.0;

@@ -239,4 +239,15 @@ mod tests {
             assert!(!error.contains('\n') && error.starts_with("my.toml"), "{error}");
         }
     }
+
+    /// What a board boots with is what the committed files say, bit for bit.
+    #[test]
+    fn the_boards_defaults_are_the_committed_files() {
+        for (name, controller) in twinrotor::defaults::ALL {
+            let path = format!("{}/../gains/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            let file = GainsFile::load(&path).unwrap();
+            assert_eq!(file.controller, controller, "{name}");
+            assert_eq!(file.provenance.unwrap().preset, name);
+        }
+    }
 }
