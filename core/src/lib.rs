@@ -79,9 +79,9 @@ pub mod telemetry;
 pub mod control_loop;
 pub mod pipeline;
 
+pub mod defaults;
 pub mod link;
 pub mod parameters;
-pub mod defaults;
 
 /// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in degrees.
 pub const DEGREE: f64 = core::f64::consts::PI / 180.0;
