@@ -211,7 +211,7 @@ mod tests {
             let mut file = GainsFile::backstepping(Gains::from_paper_order(k));
             file.controller.estimator = EstimatorSettings::laboratory(bandwidth);
             file.controller.allocation = AllocationSettings::Weighted { pitch_weight: 1.5 };
-            file.controller.lead = Some(Lead { factor: bandwidth });
+            file.controller.lead = Some(Lead { factor: 0.1 + bandwidth / 100.0 });
             prop_assert_eq!(GainsFile::parse("x", &file.to_toml()).unwrap(), file);
         }
 

@@ -163,8 +163,8 @@ fn a_stack_that_is_nearly_used_up() {
 fn a_number_that_is_none() {
     let rig = presets::PAPER;
     let mut wild = parameters(&rig);
-    let gain = wild.settings.gains.to_paper_order().map(|_| 1e30_f32);
-    wild.settings.gains = twinrotor::gains::Gains::from_paper_order(gain);
+    let gains = twinrotor::gains::Gains::from_paper_order([1e30_f32; 4]);
+    wild.settings.controller.law = twinrotor::law::LawSettings::Backstepping(gains);
     let mut station = board_with(&rig, &wild);
     station.send(&twinrotor::link::ToBoard::Telemetry { every: 1 });
     make_ready(&mut station);
