@@ -227,6 +227,11 @@ impl BoardLoop {
         board
     }
 
+    /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that for good.
+    pub fn is_armed(&self) -> bool {
+        self.control.state() == twinrotor::supervisor::State::Armed
+    }
+
     /// The board's tick; the plant stands still.
     fn step(&mut self, wish: Option<Wish>) -> twinrotor::control_loop::Outputs {
         let counts = self.encoders.counts(self.plant.state().angle).map(whole);
