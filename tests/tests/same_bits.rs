@@ -109,8 +109,8 @@ proptest! {
         let mut board = BoardLoop::new(plant(), &hardware, &settings);
         let mut lanes = RigLoop::new(plant(), &hardware, &settings);
         let (references, disturbances) = (scenario.references::<f32>(), scenario.disturbances::<f32>(1));
-        let mut compared = 0;
-        for (reference, disturbance) in references.iter().zip(&disturbances).cycle().take(10_000) {
+        let flight = references.iter().zip(&disturbances).cycle().take(10_000);
+        for (compared, (reference, disturbance)) in flight.enumerate() {
             let (a, b) = (board.tick(reference, *disturbance), lanes.tick(reference, *disturbance));
             if !board.is_armed() {
                 // It left the envelope, and the board has cut the motors.
@@ -118,7 +118,6 @@ proptest! {
                 break;
             }
             prop_assert_eq!(bits(&a, 0), bits(&b, 0));
-            compared += 1;
         }
     }
 
