@@ -16,9 +16,9 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the messages, the first byte of each.
 pub const VERSION: u8 = 1;
-/// [byte] The longest message, unframed.
+/// \[byte\] The longest message, unframed.
 pub const MAX_MESSAGE: usize = 1024;
-/// [byte] The longest frame: COBS adds a byte in 254 and one more, then the zero.
+/// \[byte\] The longest frame: COBS adds a byte in 254 and one more, then the zero.
 pub const MAX_FRAME: usize = MAX_MESSAGE + MAX_MESSAGE / 254 + 3;
 
 const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);

@@ -1,7 +1,7 @@
 //! A helicopter and a controller, tick by tick, in one of two worlds.
 //!
 //! Both are written over any [`Real`]: `f64` to verify, `f32` as the board computes, lanes of `f32` for thousands of runs. The
-//! board's own [`ControlLoop`](twinrotor::control_loop::ControlLoop) flies in [`BoardLoop`]; a test shows that [`RigLoop`] gives its
+//! board's own [`ControlLoop`] flies in [`BoardLoop`]; a test shows that [`RigLoop`] gives its
 //! bits.
 
 use twinrotor::axes::{PerAxis, PerMotor};

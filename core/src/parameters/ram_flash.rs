@@ -7,9 +7,9 @@ use embedded_storage::nor_flash::{
 
 use super::store::PAGES;
 
-/// [byte] A page: one 16 KiB sector.
+/// \[byte\] A page: one 16 KiB sector.
 pub const PAGE_SIZE: usize = 16 * 1024;
-/// [byte] The whole area.
+/// \[byte\] The whole area.
 pub const AREA_SIZE: usize = PAGE_SIZE * PAGES as usize;
 
 /// When the supply fails: in the middle of one flash operation.
