@@ -118,25 +118,32 @@ fn rivals() -> impl Iterator<Item = &'static str> {
     CATALOGUE.iter().map(|(name, _)| *name).filter(|name| !OURS.contains(name))
 }
 
-/// Ours first, then what was asked for, or all.
+/// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as it was designed and is
+/// marked so.
 fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, ControllerSettings<f64>)>> {
     let load = |path: &Path| Ok::<_, Failure>(GainsFile::load(&path.display().to_string())?.controller);
-    let mut list = vec![("ours".to_owned(), load(&ours_path(args, named))?)];
+    let tuned_or_designed = |path: &Path, shown: &str, design: &str| {
+        if path.exists() {
+            return Ok((shown.to_owned(), load(path)?));
+        }
+        let design = known_name("controller", design, &CATALOGUE)?;
+        Ok::<_, Failure>((format!("{shown} (untuned)"), design(&named.rig)))
+    };
+    let mut list = vec![tuned_or_designed(&ours_path(args, named), "ours", OURS[0])?];
     let asked: Vec<String> = if args.controllers.is_empty() {
         rivals().map(str::to_owned).collect()
     } else {
         args.controllers.iter().filter(|name| *name != "ours").cloned().collect()
     };
     for name in asked {
-        let controller = if name == "paper" {
-            GainsFile::paper().controller
+        list.push(if name == "paper" {
+            (name, GainsFile::paper().controller)
         } else if Path::new(&name).extension().is_some_and(|e| e == "toml") {
-            load(Path::new(&name))?
+            let controller = load(Path::new(&name))?;
+            (name, controller)
         } else {
-            known_name("controller", &name, &CATALOGUE)?;
-            load(&rival_path(args, named, &name))?
-        };
-        list.push((name, controller));
+            tuned_or_designed(&rival_path(args, named, &name), &name, &name)?
+        });
     }
     Ok(list)
 }
