@@ -24,12 +24,15 @@ impl<R: Real> Drive<R> {
     #[inline(always)]
     pub fn duty(&self, volts: PerMotor<R>, supply: R) -> PerMotor<Duty<R>> {
         let steps_per_volt = self.full_steps / supply;
-        volts.map(|v| {
-            let steps = v * steps_per_volt;
-            let sound = steps.is_finite() & R::zero().lt(supply);
-            let steps = steps.clamp(-self.full_steps, self.full_steps).round();
-            Duty(R::select(sound, steps, R::zero()))
-        })
+        volts.map(
+            #[inline(always)]
+            |v| {
+                let steps = v * steps_per_volt;
+                let sound = steps.is_finite() & R::zero().lt(supply);
+                let steps = steps.clamp(-self.full_steps, self.full_steps).round();
+                Duty(R::select(sound, steps, R::zero()))
+            },
+        )
     }
 
     /// \[V\] What a duty gives from a supply of `supply` \[V\].

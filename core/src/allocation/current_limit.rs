@@ -110,14 +110,17 @@ impl<R: Real> CurrentLimit<R> {
     pub fn range(&self, in_effect: PerMotor<R>, limit: PerMotor<R>) -> VoltsRange<R> {
         let s = &self.settings;
         let center = in_effect.scaled(s.back_emf);
-        let room = self.heat.map(|heat| {
-            let spare = R::one() - heat * self.per_continuous_square;
-            let whole = spare * R::from_f64(1.0 / (1.0 - FOLD_BACK_FROM));
-            let most = s.continuous + (s.peak - s.continuous) * whole.clamp(R::zero(), R::one());
-            s.resistance * most
-        });
-        let within = |v: PerMotor<R>| v.zip(limit, |v, limit| v.clamp(-limit, limit));
-        VoltsRange { low: within(center.minus(room)), high: within(center.plus(room)) }
+        let room = self.heat.map(
+            #[inline(always)]
+            |heat| {
+                let spare = R::one() - heat * self.per_continuous_square;
+                let whole = spare * R::from_f64(1.0 / (1.0 - FOLD_BACK_FROM));
+                let most = s.continuous + (s.peak - s.continuous) * whole.clamp(R::zero(), R::one());
+                s.resistance * most
+            },
+        );
+        let limits = VoltsRange::within(limit);
+        VoltsRange { low: limits.clamp(center.minus(room)), high: limits.clamp(center.plus(room)) }
     }
 }
 
