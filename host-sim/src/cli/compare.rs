@@ -30,16 +30,13 @@ pub(super) struct Args {
     /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
-    /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/rivals/PRESET/NAME.toml the others'
+    /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/compared/PRESET/NAME.toml the others'
     #[arg(long, value_name = "DIR", default_value = "gains")]
     gains: PathBuf,
-    /// First tune every controller with the same budget of N searches of 500 evaluations, and write the gains into the folder
+    /// First tune all but ours with one budget, N searches of 500 evaluations, and write the gains into the folder
     #[arg(long, value_name = "N")]
     tune: Option<usize>,
 }
-
-/// The kinds of ours: which of them is kept is decided on the plants that it is tuned on.
-const OURS: [&str; 2] = ["integral", "cancelling"];
 
 #[derive(Debug, Serialize)]
 struct Document<'a> {
@@ -104,18 +101,14 @@ fn ours_path(args: &Args, named: &NamedRig) -> PathBuf {
     args.gains.join(format!("{}.toml", file_stem(named)))
 }
 
-fn rival_path(args: &Args, named: &NamedRig, name: &str) -> PathBuf {
-    args.gains.join("rivals").join(file_stem(named)).join(format!("{name}.toml"))
+fn compared_path(args: &Args, named: &NamedRig, name: &str) -> PathBuf {
+    args.gains.join("compared").join(file_stem(named)).join(format!("{name}.toml"))
 }
 
 fn file_stem(named: &NamedRig) -> String {
     Path::new(&named.name)
         .file_stem()
         .map_or_else(|| named.name.clone(), |s| s.to_string_lossy().into_owned())
-}
-
-fn rivals() -> impl Iterator<Item = &'static str> {
-    CATALOGUE.iter().map(|(name, _)| *name).filter(|name| !OURS.contains(name))
 }
 
 /// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as it was designed and is
@@ -129,9 +122,9 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
         let design = known_name("controller", design, &CATALOGUE)?;
         Ok::<_, Failure>((format!("{shown} (untuned)"), design(&named.rig)))
     };
-    let mut list = vec![tuned_or_designed(&ours_path(args, named), "ours", OURS[0])?];
+    let mut list = vec![tuned_or_designed(&ours_path(args, named), "ours", "integral")?];
     let asked: Vec<String> = if args.controllers.is_empty() {
-        rivals().map(str::to_owned).collect()
+        CATALOGUE.map(|(name, _)| name.to_owned()).to_vec()
     } else {
         args.controllers.iter().filter(|name| *name != "ours").cloned().collect()
     };
@@ -142,32 +135,23 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
             let controller = load(Path::new(&name))?;
             (name, controller)
         } else {
-            tuned_or_designed(&rival_path(args, named, &name), &name, &name)?
+            tuned_or_designed(&compared_path(args, named, &name), &name, &name)?
         });
     }
     Ok(list)
 }
 
-/// Tunes ours and every rival with the same budget on the same plants, and writes their gains.
+/// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies by default has had more.
 fn tune_all(args: &Args, named: &NamedRig, rounds: usize) -> Outcome<()> {
     if rounds == 0 || rounds > 1000 {
         return Err(Failure::Input(format!("--tune is {rounds}; allowed: 1 to 1000")));
     }
     let tuning = Tuning::standard(named, rounds, args.common.seed);
     let wanted = |name: &str| args.controllers.is_empty() || args.controllers.iter().any(|c| c == name);
-    if wanted("ours") {
-        let kinds: Vec<GainsFile> = OURS.iter().map(|name| tuning.run(name)).collect::<Outcome<Vec<_>>>()?;
-        let best = kinds.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        save(&ours_path(args, named), &best.expect("two kinds"))?;
-    }
-    for name in rivals().filter(|name| *name != "paper" && wanted(name)) {
-        save(&rival_path(args, named, name), &tuning.run(name)?)?;
+    for (name, _) in CATALOGUE.iter().filter(|(name, _)| *name != "paper" && wanted(name)) {
+        save(&compared_path(args, named, name), &tuning.run(name)?)?;
     }
     Ok(())
-}
-
-fn cost(file: &GainsFile) -> f64 {
-    file.provenance.as_ref().map_or(f64::INFINITY, |p| p.cost)
 }
 
 fn save(path: &Path, file: &GainsFile) -> Outcome<()> {
