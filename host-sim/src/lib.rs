@@ -12,6 +12,7 @@
 
 pub mod cli;
 pub mod closed_loop;
+pub mod counted;
 pub mod error;
 pub mod figures;
 pub mod flash;

@@ -2,11 +2,12 @@
 
 use super::common::Common;
 use super::{print, print_json, tables};
-use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop};
+use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
+use crate::counted::{Counted, operations};
 use crate::error::Outcome;
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
-use crate::lanes::{LANES, instruction_set};
+use crate::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
 use crate::metrics::{Criterion, Integral};
 use crate::objective::Objective;
 use crate::optimise::Candidate;
@@ -31,6 +32,8 @@ pub(super) struct Args {
 #[derive(Debug, Serialize)]
 struct Document {
     machine: String,
+    /// Of one core: independent additions and multiplications in lanes, and nothing else.
+    peak_operations_per_second: f64,
     kernels: Vec<Kernel>,
 }
 
@@ -39,6 +42,10 @@ struct Kernel {
     name: &'static str,
     /// Median of the rounds.
     steps_per_second: f64,
+    /// Floating-point operations of one step of one loop, as [`operations`] counts them.
+    operations_per_step: u64,
+    /// Operations a second to what the core could do in lanes.
+    share_of_peak: f64,
 }
 
 /// Kernels are measured in turn, several times over, so that a change of the machine's speed hits all of them.
@@ -46,13 +53,13 @@ const ROUNDS: usize = 7;
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
-    let kernels = measure(&named)?;
-    let document = Document { machine: machine(), kernels };
+    let document = measure(&named)?;
     if args.common.json {
         return print_json(&document);
     }
     let slowest = document.kernels[0].steps_per_second;
-    let mut table = tables::table(&["kernel", "steps/s, one core", "ratio"]);
+    let mut table =
+        tables::table(&["kernel", "steps/s, one core", "ratio", "operations/step", "of the peak"]);
     for k in &document.kernels {
         tables::add(
             &mut table,
@@ -60,30 +67,38 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
                 k.name.to_owned(),
                 format!("{:.3e}", k.steps_per_second),
                 format!("{:.1}", k.steps_per_second / slowest),
+                k.operations_per_step.to_string(),
+                format!("{:.1} %", 100.0 * k.share_of_peak),
             ],
         );
     }
-    print(&format!("{}\n{table}\n", document.machine))
+    let peak = document.peak_operations_per_second;
+    print(&format!(
+        "{}\n{table}\npeak: {peak:.2e} independent additions and multiplications a second in lanes\n",
+        document.machine
+    ))
 }
 
 /// Flies once or more; the number of steps.
 type Run<'a> = Box<dyn Fn() -> usize + 'a>;
 
-fn measure(named: &NamedRig) -> Outcome<Vec<Kernel>> {
+fn measure(named: &NamedRig) -> Outcome<Document> {
     let scenario = Scenario::load("step")?;
     let lanes = |fidelity| Objective::new(Criterion::Ise, &named.rig, &scenario, fidelity, 1);
     let (ideal, rig) = (lanes(Fidelity::Ideal), lanes(Fidelity::Rig));
     let (single, double) = (scenario.references::<f32>(), scenario.references::<f64>());
-    let runs: [(&'static str, Run<'_>); 5] = [
-        ("f64-ideal", Box::new(|| fly(&double, ideal_loop::<f64>(named)))),
-        ("f32-ideal", Box::new(|| fly(&single, ideal_loop::<f32>(named)))),
-        ("lanes-ideal", Box::new(|| fly_lanes(&ideal, single.len()))),
-        ("f32-rig", Box::new(|| fly(&single, board_loop(named)))),
-        ("lanes-rig", Box::new(|| fly_lanes(&rig, single.len()))),
+    let (ideal_operations, rig_operations) = (count(ideal_loop(named)), count(rig_loop(named)));
+    let runs: [(&'static str, u64, Run<'_>); 6] = [
+        ("f64-ideal", ideal_operations, Box::new(|| fly(&double, ideal_loop::<f64>(named)))),
+        ("f32-ideal", ideal_operations, Box::new(|| fly(&single, ideal_loop::<f32>(named)))),
+        ("lanes-ideal", ideal_operations, Box::new(|| fly_lanes(&ideal, single.len()))),
+        ("f32-rig", rig_operations, Box::new(|| fly(&single, board_loop(named)))),
+        ("lanes-rig", rig_operations, Box::new(|| fly_lanes(&rig, single.len()))),
+        ("peak", 1, Box::new(|| in_lanes(Peak))),
     ];
     let mut rates = vec![Vec::new(); runs.len()];
     for _ in 0..ROUNDS {
-        for (rates, (_, run)) in rates.iter_mut().zip(&runs) {
+        for (rates, (_, _, run)) in rates.iter_mut().zip(&runs) {
             let begun = Instant::now();
             let mut steps = 0;
             while begun.elapsed().as_millis() < 60 {
@@ -96,12 +111,55 @@ fn measure(named: &NamedRig) -> Outcome<Vec<Kernel>> {
         rates.sort_by(f64::total_cmp);
         rates[ROUNDS / 2]
     };
-    Ok(runs.iter().zip(rates).map(|((name, _), r)| Kernel { name, steps_per_second: median(r) }).collect())
+    let peak = median(rates.pop().expect("a rate for each run"));
+    let kernels = runs.iter().zip(rates).map(|((name, operations, _), rates)| {
+        let steps_per_second = median(rates);
+        let share_of_peak = steps_per_second * *operations as f64 / peak;
+        Kernel { name, steps_per_second, operations_per_step: *operations, share_of_peak }
+    });
+    let kernels = kernels.collect();
+    Ok(Document { machine: machine(), peak_operations_per_second: peak, kernels })
+}
+
+/// Independent additions and multiplications, as many at a time as a core can have under way.
+struct Peak;
+
+impl Lanewise for Peak {
+    /// Operations done.
+    type Output = usize;
+    #[inline(always)]
+    fn run<R: Real<Scalar = f32>>(self) -> usize {
+        const ROUNDS: usize = 100_000;
+        let (factor, term) = (R::splat(black_box(1.000_000_1)), R::splat(black_box(1e-7)));
+        let mut x = [R::one(); 6];
+        for _ in 0..ROUNDS {
+            x = [x[0] * factor, x[1] * factor, x[2] * factor, x[3] + term, x[4] + term, x[5] + term];
+        }
+        black_box(x);
+        ROUNDS * x.len() * LANES
+    }
+}
+
+/// Operations of a tick and its share of the cost, in flight.
+fn count(mut closed_loop: impl ClosedLoop<Counted>) -> u64 {
+    let goal = Reference::at_rest(PerAxis::both(Counted::from_f64(0.3)));
+    let mut integral = Integral::new(Criterion::Ise);
+    closed_loop.tick(&goal, PerMotor::zero());
+    operations(|| {
+        let happened = closed_loop.tick(&goal, PerMotor::zero());
+        integral.add(1, 5_000, happened.error());
+    })
 }
 
 fn ideal_loop<R: Real>(named: &NamedRig) -> IdealLoop<R> {
     let settings = GainsFile::paper().settings(&named.rig).map(R::from_f64);
     IdealLoop::new(&named.rig, &settings, State::at_rest(PerAxis::zero()), SAMPLE_TIME)
+}
+
+fn rig_loop<R: Real>(named: &NamedRig) -> RigLoop<R> {
+    let settings = GainsFile::paper().settings(&named.rig).map(R::from_f64);
+    let plant = RealPlant::new(&named.rig.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+    RigLoop::new(plant, &Hardware::of(&named.rig, PerAxis::both(0.5)), &settings)
 }
 
 fn board_loop(named: &NamedRig) -> BoardLoop {

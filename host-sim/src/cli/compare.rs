@@ -6,12 +6,13 @@ use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
 use crate::output;
-use crate::rig::NamedRig;
+use crate::rig::{self, NamedRig};
 use crate::robust::{self, CATALOGUE, Row, Trial, Tuning};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor::axes::PerMotor;
 use twinrotor::controller::ControllerSettings;
+use twinrotor::plant::PlantParameters;
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -30,6 +31,9 @@ pub(super) struct Args {
     /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
+    /// Rig that every plant is in truth, whatever the controllers believe; lag and disturbance are still drawn
+    #[arg(long, value_name = "RIG")]
+    true_rig: Option<String>,
     /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/compared/PRESET/NAME.toml the others'
     #[arg(long, value_name = "DIR", default_value = "gains")]
     gains: PathBuf,
@@ -65,6 +69,12 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let controllers = controllers(args, &named)?;
     let allowance = robust::allowance(&named.name, &named.rig);
     let mut trial = Trial::new(&named.rig, args.plants, UNSEEN + args.common.seed, allowance);
+    if let Some(rig) = &args.true_rig {
+        let truth = rig::load(rig)?.rig.plant;
+        for draw in &mut trial.plants {
+            draw.plant = PlantParameters { rotor_time_constant: draw.plant.rotor_time_constant, ..truth };
+        }
+    }
     if let Some(lag) = args.true_lag {
         let lag = at_least("--true-lag", lag, 0.0, false)?;
         for draw in &mut trial.plants {

@@ -45,7 +45,7 @@ pub struct Tuned {
 /// From round to round the range's logarithm shrinks to this part.
 const SHRINK: f64 = 0.6;
 
-/// Tunes. `seen` is shown evaluations and best cost after every exchange, and stops the search by returning false.
+/// Tunes; what no gains file could hold costs infinity. `seen` is shown evaluations and best cost after every exchange, and stops the search by returning false.
 pub fn tune(
     trial: &Trial,
     tunable: &Tunable,
@@ -54,7 +54,10 @@ pub fn tune(
 ) -> Tuned {
     let dimension = tunable.names().len();
     let mut center = vec![0.0; dimension];
-    let cost = |position: &[f64]| trial.cost(&tunable.controller(position));
+    let cost = |position: &[f64]| {
+        let controller = tunable.controller(position);
+        if controller.validate().is_ok() { trial.cost(&controller) } else { f64::INFINITY }
+    };
     let mut best = cost(&center);
     let mut evaluations = 1;
     let mut history = vec![(evaluations, best)];
