@@ -1,7 +1,9 @@
 //! What the commands draw.
 
 use crate::flight::{Flight, Row};
-use crate::plot::{Figure, Line, Panel};
+use crate::peers::Peer;
+use crate::plot::{Band, COLOURS, Figure, Line, Panel, Stroke};
+use crate::robust::quantile;
 use twinrotor::axes::PerMotor;
 
 fn line(name: &str, colour: usize, rows: &[Row], value: impl Fn(&Row) -> f64) -> Line {
@@ -9,12 +11,12 @@ fn line(name: &str, colour: usize, rows: &[Row], value: impl Fn(&Row) -> f64) ->
         name: name.to_owned(),
         points: rows.iter().map(|r| (r.time, value(r))).collect(),
         colour,
-        dashed: false,
+        stroke: Stroke::Solid,
     }
 }
 
 fn dashed(line: Line) -> Line {
-    Line { dashed: true, ..line }
+    Line { stroke: Stroke::Dashed, ..line }
 }
 
 /// A flight: angles with references, volts with limits, squared errors (the paper's Fig. 5).
@@ -23,6 +25,7 @@ pub fn flight(title: &str, flight: &Flight, limit: PerMotor<f64>) -> Figure {
     let squared = |e: f64| e * e;
     Figure {
         title: title.to_owned(),
+        x_label: String::new(),
         panels: vec![
             Panel {
                 y_label: "angle [°]".to_owned(),
@@ -32,7 +35,7 @@ pub fn flight(title: &str, flight: &Flight, limit: PerMotor<f64>) -> Figure {
                     line("pitch θ", 0, rows, |r| r.state.angle.pitch.to_degrees()),
                     line("yaw ψ", 1, rows, |r| r.state.angle.yaw.to_degrees()),
                 ],
-                limits: vec![],
+                ..Panel::default()
             },
             Panel {
                 y_label: "motor volts [V]".to_owned(),
@@ -41,6 +44,7 @@ pub fn flight(title: &str, flight: &Flight, limit: PerMotor<f64>) -> Figure {
                     line("tail Vy", 1, rows, |r| r.volts.tail),
                 ],
                 limits: vec![limit.main, -limit.main, limit.tail, -limit.tail],
+                ..Panel::default()
             },
             Panel {
                 y_label: "squared error [rad²]".to_owned(),
@@ -48,7 +52,7 @@ pub fn flight(title: &str, flight: &Flight, limit: PerMotor<f64>) -> Figure {
                     line("pitch ξp²", 0, rows, |r| squared(r.reference.pitch - r.state.angle.pitch)),
                     line("yaw ξy²", 1, rows, |r| squared(r.reference.yaw - r.state.angle.yaw)),
                 ],
-                limits: vec![],
+                ..Panel::default()
             },
         ],
     }
@@ -69,6 +73,7 @@ pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f6
     let reference = |name: &str, value: fn(&Row) -> f64| dashed(line(name, 6, after.1, value));
     Figure {
         title: title.to_owned(),
+        x_label: String::new(),
         panels: vec![
             Panel {
                 y_label: "pitch θ [°]".to_owned(),
@@ -76,7 +81,7 @@ pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f6
                     .into_iter()
                     .chain(both("pitch", 0, |r| r.state.angle.pitch.to_degrees()))
                     .collect(),
-                limits: vec![],
+                ..Panel::default()
             },
             Panel {
                 y_label: "yaw ψ [°]".to_owned(),
@@ -84,7 +89,7 @@ pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f6
                     .into_iter()
                     .chain(both("yaw", 1, |r| r.state.angle.yaw.to_degrees()))
                     .collect(),
-                limits: vec![],
+                ..Panel::default()
             },
             Panel {
                 y_label: "motor volts [V]".to_owned(),
@@ -93,6 +98,7 @@ pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f6
                     .chain(both("tail", 1, |r| r.volts.tail))
                     .collect(),
                 limits: vec![limit.main, -limit.main, limit.tail, -limit.tail],
+                ..Panel::default()
             },
         ],
     }
@@ -105,5 +111,65 @@ fn shown(flight: &Flight) -> usize {
     match (pitch.settling_time_2, yaw.settling_time_2) {
         (Some(p), Some(y)) => flight.rows.iter().position(|r| r.time > 2.0 * p.max(y)).unwrap_or(all),
         _ => all,
+    }
+}
+
+/// How fast each method nears the best cost known: the median over seeds, with the band between the quarter points.
+pub fn convergence(title: &str, peers: &[Peer], best_known: f64, budget: usize) -> Figure {
+    const POINTS: usize = 80;
+    /// \[%\] What is nearer than this is drawn here: the costs' own last digits.
+    const NEAREST: f64 = 1e-4;
+    let counts: Vec<usize> = (1..=POINTS).map(|k| (k * budget).div_ceil(POINTS)).collect();
+    let excess = |peer: &Peer, part: f64| -> Vec<(f64, f64)> {
+        let at = |n: usize| {
+            let costs: Vec<f64> = peer.runs.iter().map(|r| r.cost_after(n)).collect();
+            let excess = 100.0 * (quantile(&costs, part) / best_known - 1.0);
+            (n as f64, excess.max(NEAREST))
+        };
+        counts.iter().map(|n| at(*n)).collect()
+    };
+    let mut panel =
+        Panel { y_label: "above the best known [%]".to_owned(), logarithmic: true, ..Panel::default() };
+    for (k, peer) in peers.iter().enumerate() {
+        let [low, middle, high] = [0.25, 0.5, 0.75].map(|part| excess(peer, part));
+        let points = low.into_iter().zip(high).map(|((x, low), (_, high))| (x, low, high)).collect();
+        // With many methods the bands would hide each other.
+        if peers.len() <= COLOURS.len() {
+            panel.bands.push(Band { points, colour: k });
+        }
+        let stroke = if k < COLOURS.len() { Stroke::Solid } else { Stroke::Dashed };
+        panel.lines.push(Line { name: peer.name.clone(), points: middle, colour: k, stroke });
+    }
+    Figure { title: title.to_owned(), x_label: "evaluations".to_owned(), panels: vec![panel] }
+}
+
+/// Some numbers of a flight over time.
+pub fn over_time(title: &str, y_label: &str, rows: &[Row], curves: &[(&str, fn(&Row) -> f64)]) -> Figure {
+    let lines = curves.iter().enumerate().map(|(k, (name, value))| line(name, k, rows, value)).collect();
+    let panel = Panel { y_label: y_label.to_owned(), lines, ..Panel::default() };
+    Figure { title: title.to_owned(), x_label: String::new(), panels: vec![panel] }
+}
+
+/// Pitch and yaw of many flights of one scenario.
+pub fn fan(title: &str, flights: &[&Flight]) -> Figure {
+    /// Of every so many ticks one is drawn.
+    const THIN: usize = 10;
+    let panel = |y_label: &str, colour: usize, angle: fn(&Row) -> f64, reference: fn(&Row) -> f64| {
+        let mut lines = Vec::new();
+        for (k, flight) in flights.iter().enumerate() {
+            let rows: Vec<Row> = flight.rows.iter().copied().step_by(THIN).collect();
+            let name = if k == 0 { "one plant each" } else { "" };
+            lines.push(Line { stroke: Stroke::Thin, ..line(name, colour, &rows, angle) });
+        }
+        lines.extend(flights.first().map(|f| dashed(line("reference", 6, &f.rows, reference))));
+        Panel { y_label: y_label.to_owned(), lines, ..Panel::default() }
+    };
+    Figure {
+        title: title.to_owned(),
+        x_label: String::new(),
+        panels: vec![
+            panel("pitch θ [°]", 0, |r| r.state.angle.pitch.to_degrees(), |r| r.reference.pitch.to_degrees()),
+            panel("yaw ψ [°]", 1, |r| r.state.angle.yaw.to_degrees(), |r| r.reference.yaw.to_degrees()),
+        ],
     }
 }

@@ -7,6 +7,7 @@ use crate::lanes::{Kernel, LANES, gather, in_lanes};
 use crate::metrics::{Criterion, Integral};
 use crate::optimise::Candidate;
 use crate::scenario::{SAMPLE_TIME, Scenario};
+use crate::tuner::{Effort, Problem};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -29,15 +30,7 @@ pub struct Objective {
     disturbances: Vec<PerMotor<f32>>,
     simulated: AtomicU64,
     skipped: AtomicU64,
-}
-
-/// Steps of closed loops: done, and not done because the candidate had lost already.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Steps {
-    /// Done.
-    pub simulated: u64,
-    /// Saved.
-    pub skipped: u64,
+    diverged: AtomicU64,
 }
 
 /// A cost must exceed its bound by this part before a flight is broken off. A compensated sum of terms that are not negative can sink
@@ -57,6 +50,7 @@ impl Objective {
             disturbances: scenario.disturbances(seed),
             simulated: AtomicU64::new(0),
             skipped: AtomicU64::new(0),
+            diverged: AtomicU64::new(0),
         }
     }
 
@@ -64,11 +58,6 @@ impl Objective {
     pub fn controller(position: &[f64]) -> GainsFile {
         let order: [f64; 4] = position.try_into().expect("four gains");
         GainsFile::backstepping(Gains::from_paper_order(order))
-    }
-
-    /// The cost of each candidate; infinity for one that diverges or provably does not get below its bound.
-    pub fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
-        candidates.par_chunks(LANES).flat_map_iter(|chunk| self.costs_of_group(chunk)).collect()
     }
 
     /// The cost of one controller, all the way.
@@ -80,14 +69,6 @@ impl Objective {
         self.costs(&[candidate])[0]
     }
 
-    /// What has been simulated so far.
-    pub fn steps(&self) -> Steps {
-        Steps {
-            simulated: self.simulated.load(Ordering::Relaxed),
-            skipped: self.skipped.load(Ordering::Relaxed),
-        }
-    }
-
     fn costs_of_group(&self, candidates: &[Candidate]) -> Vec<f64> {
         let settings: Vec<Settings<f32>> = candidates
             .iter()
@@ -96,9 +77,28 @@ impl Objective {
         let bounds: Vec<f64> = candidates.iter().map(|c| c.bound).collect();
         let (costs, ticks) = in_lanes(Flights { objective: self, settings: &settings, bounds: &bounds });
         let lanes = candidates.len() as u64;
+        if ticks == self.references.len() {
+            let diverged = costs.iter().filter(|c| c.is_infinite()).count() as u64;
+            self.diverged.fetch_add(diverged, Ordering::Relaxed);
+        }
         self.simulated.fetch_add(ticks as u64 * lanes, Ordering::Relaxed);
         self.skipped.fetch_add((self.references.len() - ticks) as u64 * lanes, Ordering::Relaxed);
         costs
+    }
+}
+
+impl Problem for Objective {
+    /// Infinity for one that diverges or provably does not get below its bound.
+    fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
+        candidates.par_chunks(LANES).flat_map_iter(|chunk| self.costs_of_group(chunk)).collect()
+    }
+
+    fn effort(&self) -> Effort {
+        Effort {
+            simulated: self.simulated.load(Ordering::Relaxed),
+            skipped: self.skipped.load(Ordering::Relaxed),
+            diverged: self.diverged.load(Ordering::Relaxed),
+        }
     }
 }
 

@@ -1,23 +1,52 @@
-//! The tuner: an optimiser and an objective, driven to the end, with progress, interruption, time limit and checkpoints.
+//! The tuner: an optimiser and a problem, driven to the end, with progress, interruption, time limit and checkpoints.
 
 use crate::error::{Failure, Outcome};
-use crate::objective::{Objective, Steps};
-use crate::optimise::{Best, FlowerPollination, Optimiser};
+use crate::optimise::{Best, Candidate, Optimiser, Searcher};
 use crate::output;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Something to minimise.
+pub trait Problem: Sync {
+    /// The cost of each candidate, in order. The same candidate costs the same on any number of threads and in any company.
+    fn costs(&self, candidates: &[Candidate]) -> Vec<f64>;
+
+    /// What it has taken so far.
+    fn effort(&self) -> Effort;
+}
+
+/// What computing costs took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Effort {
+    /// Steps of closed loops.
+    pub simulated: u64,
+    /// Steps saved, because the candidate had lost already.
+    pub skipped: u64,
+    /// Candidates that diverged.
+    pub diverged: u64,
+}
+
+impl Effort {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            simulated: self.simulated + other.simulated,
+            skipped: self.skipped + other.skipped,
+            diverged: self.diverged + other.diverged,
+        }
+    }
+}
+
 /// Where a tuning run stands; everything that a restart needs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Search {
     /// What is being tuned and how, in words: a checkpoint with other words belongs to another run.
     identity: String,
-    optimiser: FlowerPollination,
+    optimiser: Searcher,
     /// Evaluations and cost at every improvement.
     history: Vec<(usize, f64)>,
-    steps_before: [u64; 2],
+    effort: Effort,
 }
 
 /// When to stop and what to leave behind on the way.
@@ -30,6 +59,13 @@ pub struct Conduct<'a> {
     pub interrupted: &'a dyn Fn() -> bool,
     /// Is shown evaluations and best cost after every exchange.
     pub progress: &'a dyn Fn(usize, f64),
+}
+
+impl Conduct<'_> {
+    /// Without a checkpoint, a limit or anyone watching.
+    pub fn to_the_end() -> Self {
+        Self { checkpoint: None, time_limit: None, interrupted: &|| false, progress: &|_, _| () }
+    }
 }
 
 /// How a search ended.
@@ -46,18 +82,18 @@ pub enum End {
 /// From one checkpoint to the next.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(3);
 /// First bytes of a checkpoint.
-const MAGIC: &[u8] = b"twinrotor checkpoint 1\n";
+const MAGIC: &[u8] = b"twinrotor checkpoint 2\n";
 
 impl Search {
     /// At the beginning.
-    pub fn new(identity: String, optimiser: FlowerPollination) -> Self {
-        Self { identity, optimiser, history: Vec::new(), steps_before: [0; 2] }
+    pub fn new(identity: String, optimiser: Searcher) -> Self {
+        Self { identity, optimiser, history: Vec::new(), effort: Effort::default() }
     }
 
     /// Drives the search on.
-    pub fn run(&mut self, objective: &Objective, conduct: &Conduct<'_>) -> Outcome<End> {
+    pub fn run(&mut self, problem: &dyn Problem, conduct: &Conduct<'_>) -> Outcome<End> {
         let begun = Instant::now();
-        let before = self.steps_before;
+        let before = self.effort;
         let mut saved = begun;
         let mut end = End::Complete;
         let mut trouble = Ok(());
@@ -66,10 +102,9 @@ impl Search {
             if asked.is_empty() {
                 break;
             }
-            self.optimiser.tell(&objective.costs(&asked));
+            self.optimiser.tell(&problem.costs(&asked));
             self.note_improvement();
-            let Steps { simulated, skipped } = objective.steps();
-            self.steps_before = [before[0] + simulated, before[1] + skipped];
+            self.effort = before.plus(problem.effort());
             (conduct.progress)(self.optimiser.evaluations(), self.cost());
             if let Some(path) = &conduct.checkpoint
                 && saved.elapsed() >= CHECKPOINT_EVERY
@@ -122,9 +157,14 @@ impl Search {
         &self.history
     }
 
-    /// Steps of closed loops in all, before a restart too.
-    pub fn steps(&self) -> Steps {
-        Steps { simulated: self.steps_before[0], skipped: self.steps_before[1] }
+    /// Evaluations there will be in all.
+    pub fn budget(&self) -> usize {
+        self.optimiser.budget()
+    }
+
+    /// What it took in all, before a restart too.
+    pub fn effort(&self) -> Effort {
+        self.effort
     }
 
     fn save(&self, path: &Path) -> Outcome<()> {

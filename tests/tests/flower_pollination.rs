@@ -6,6 +6,7 @@ use host_sim::metrics::Criterion;
 use host_sim::objective::Objective;
 use host_sim::optimise::{Bounds, Draws, FlowerPollination, FpaSettings, Optimiser, Variant, run};
 use host_sim::scenario::Scenario;
+use host_sim::tuner::Problem;
 use twinrotor::gains;
 use twinrotor::plant::presets::PAPER;
 

@@ -8,6 +8,7 @@ use host_sim::metrics::Criterion;
 use host_sim::objective::Objective;
 use host_sim::optimise::Candidate;
 use host_sim::scenario::{SAMPLE_TIME, Scenario};
+use host_sim::tuner::Problem;
 use proptest::prelude::*;
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};

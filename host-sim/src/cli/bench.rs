@@ -13,6 +13,7 @@ use crate::objective::Objective;
 use crate::optimise::Candidate;
 use crate::rig::NamedRig;
 use crate::scenario::{SAMPLE_TIME, Scenario};
+use crate::tuner::Problem;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;

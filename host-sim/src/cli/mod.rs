@@ -3,12 +3,15 @@
 //! 0 done; 1 the run failed; 2 bad input, told in one line; 130 after Ctrl-C, with the best so far written.
 
 mod bench;
+mod bench_tuners;
 mod common;
 mod compare;
 mod flash;
+mod reproduce;
 mod simulate;
 mod tables;
 mod tune;
+mod tune_report;
 mod tune_robust;
 
 use crate::error::{Failure, Outcome};
@@ -35,6 +38,10 @@ enum Command {
     Compare(compare::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
+    /// Methods of search side by side on one problem: medians, spread, rank tests, convergence
+    BenchTuners(bench_tuners::Args),
+    /// The paper's tables, figures and claims beside ours, as a report to open in a browser
+    Reproduce(reproduce::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
 }
@@ -50,6 +57,8 @@ pub fn main() -> ExitCode {
         Command::Tune(args) => tune::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::BenchTuners(args) => bench_tuners::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Flash(args) => flash::run(&args),
     };
     match outcome {

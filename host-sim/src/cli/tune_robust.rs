@@ -1,17 +1,15 @@
 //! `tune --objective robust`: any parameter of any controller, on many plants at once.
 
-use super::common::{catch_interrupts, interrupted};
-use super::tune::Args;
+use super::tune::{Args, Request, drive, resume_or};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::gains_file::{GainsFile, Provenance};
-use crate::optimise::FpaSettings;
 use crate::output;
 use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Plan, Terms, Trial, Tuned};
+use crate::robust::{self, CATALOGUE, Plan, Robust, Terms, Trial};
 use crate::scenario::SAMPLE_TIME;
 use crate::tunable::Tunable;
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::tuner::{End, Search};
 use serde::Serialize;
 use std::fmt::Write;
 use std::time::Instant;
@@ -31,6 +29,7 @@ struct Document<'a> {
     tick_s: f64,
     steps_simulated: u64,
     steps_skipped: u64,
+    diverged: u64,
     terms: Terms,
     failures: usize,
     gains: &'a GainsFile,
@@ -38,8 +37,9 @@ struct Document<'a> {
 }
 
 /// Tunes, writes and reports.
-pub(super) fn run(args: &Args, named: &NamedRig, fpa: FpaSettings) -> Outcome<()> {
+pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
     let begun = Instant::now();
+    let named = &request.named;
     let start = start(args, named)?;
     let tunable = Tunable::new(&start, &args.parameters)?;
     at_least("--range", args.range, 1.0, true)?;
@@ -51,23 +51,29 @@ pub(super) fn run(args: &Args, named: &NamedRig, fpa: FpaSettings) -> Outcome<()
     }
     let seed = args.common.seed;
     let trial = Trial::new(&named.rig, args.plants, seed, robust::allowance(&named.name, &named.rig));
-    let plan = Plan { fpa, rounds: args.rounds, range: args.range, seed };
-    let tuned = search(args, &trial, &tunable, &plan, begun);
+    let plan = Plan { setup: request.setup, rounds: args.rounds, range: args.range, seed };
+    let identity =
+        format!("{} {:?} robust {} plants {tunable:?} {plan:?}", named.name, named.rig, args.plants);
+    let fresh = |identity| Search::new(identity, plan.start(tunable.names().len()));
+    let mut search = resume_or(args, identity, fresh)?;
+    let end = drive(args, request, &Robust::new(&trial, &tunable), &mut search)?;
+    let best = search.best().expect("the start is evaluated first");
+    let found = tunable.controller(&best.position);
 
-    let mut file = GainsFile { controller: tuned.controller, provenance: None };
+    let mut file = GainsFile { controller: found, provenance: None };
     file.provenance = Some(Provenance {
         preset: named.name.clone(),
         objective: format!("robust, {} plants", args.plants),
         algorithm: format!("{}, {} rounds", args.algorithm, args.rounds),
         seed,
-        evaluations: tuned.evaluations,
-        cost: tuned.cost,
+        evaluations: search.evaluations(),
+        cost: best.cost,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     });
     output::write(&args.out, file.to_toml().as_bytes())?;
 
     let before = trial.scores(&start);
-    let after = trial.scores(&tuned.controller);
+    let after = trial.scores(&found);
     if args.common.json {
         print_json(&Document {
             algorithm: &args.algorithm,
@@ -75,22 +81,23 @@ pub(super) fn run(args: &Args, named: &NamedRig, fpa: FpaSettings) -> Outcome<()
             objective: "robust",
             seed,
             plants: args.plants,
-            evaluations: tuned.evaluations,
-            cost: tuned.cost,
+            evaluations: search.evaluations(),
+            cost: best.cost,
             wall_s: begun.elapsed().as_secs_f64(),
             horizon_s: 2.0 * trial.allowance,
             tick_s: SAMPLE_TIME,
-            steps_simulated: trial.steps() * tuned.evaluations as u64,
+            steps_simulated: search.effort().simulated,
             steps_skipped: 0,
+            diverged: search.effort().diverged,
             terms: Terms::mean(after.iter().map(robust::Score::terms)),
             failures: after.iter().filter(|s| s.failed).count(),
             gains: &file,
-            history: &tuned.history,
+            history: search.history(),
         })?;
     } else {
-        print(&summary(args, named, &tunable, &tuned, [&before, &after], begun))?;
+        print(&summary(args, named, &tunable, &search, &found, [&before, &after], begun))?;
     }
-    if tuned.stopped && interrupted() { Err(Failure::Interrupted) } else { Ok(()) }
+    if end == End::Interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 /// The controller that the search starts from: a gains file's, or a design of the catalogue.
@@ -102,29 +109,12 @@ fn start(args: &Args, named: &NamedRig) -> Outcome<ControllerSettings<f64>> {
     Ok(design(&named.rig))
 }
 
-fn search(args: &Args, trial: &Trial, tunable: &Tunable, plan: &Plan, begun: Instant) -> Tuned {
-    catch_interrupts();
-    let each = plan.fpa.population_size * (plan.fpa.iterations + 1);
-    let bar = ProgressBar::new((1 + plan.rounds * each) as u64);
-    let style =
-        ProgressStyle::with_template("{prefix} {bar:32} {pos}/{len} evaluations, best {msg}, {eta} left");
-    bar.set_style(style.expect("the template is well-formed"));
-    bar.set_prefix(args.algorithm.clone());
-    let tuned = robust::tune(trial, tunable, plan, |evaluations, cost| {
-        bar.set_position(evaluations as u64);
-        bar.set_message(format!("{cost:.4}"));
-        let late = args.time_limit.is_some_and(|limit| begun.elapsed().as_secs_f64() >= limit);
-        !(interrupted() || late)
-    });
-    bar.finish_and_clear();
-    tuned
-}
-
 fn summary(
     args: &Args,
     named: &NamedRig,
     tunable: &Tunable,
-    tuned: &Tuned,
+    search: &Search,
+    found: &ControllerSettings<f64>,
     [before, after]: [&[robust::Score]; 2],
     begun: Instant,
 ) -> String {
@@ -133,12 +123,11 @@ fn summary(
         args.algorithm,
         named.name,
         args.plants,
-        tuned.evaluations,
+        search.evaluations(),
         begun.elapsed().as_secs_f64()
     );
     let mut table = tables::table(&["", "start", "tuned"]);
-    let found =
-        Tunable::new(&tuned.controller, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
+    let found = Tunable::new(found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
     for ((name, start), found) in tunable.names().iter().zip(tunable.start()).zip(found) {
         tables::add(&mut table, [name.clone(), format!("{start:.4}"), format!("{found:.4}")]);
     }

@@ -42,8 +42,8 @@ pub struct FpaSettings {
     pub variant: Variant,
     /// N, at least 2.
     pub population_size: usize,
-    /// T.
-    pub iterations: usize,
+    /// Evaluations in all: N (T + 1) of Table 2.
+    pub evaluations: usize,
     /// p, 0..=1.
     pub switching_probability: f64,
     /// c or γ, above 0.
@@ -53,7 +53,7 @@ pub struct FpaSettings {
 }
 
 impl FpaSettings {
-    /// What each variant is published with; N = 50 and T = 30 of Table 2 for all of them.
+    /// What each variant is published with; N = 50 and T = 30 of Table 2, 1,550 evaluations, for all of them.
     pub fn published(variant: Variant) -> Self {
         let (switching_probability, scaling_factor) = match variant {
             Variant::Paper => (0.03, 0.5),
@@ -63,25 +63,11 @@ impl FpaSettings {
         Self {
             variant,
             population_size: 50,
-            iterations: 30,
+            evaluations: 1550,
             switching_probability,
             scaling_factor,
             levy_exponent: 1.5,
         }
-    }
-
-    /// Which number cannot be used, and what is allowed.
-    pub fn validate(&self) -> Result<(), String> {
-        if self.population_size < 2 {
-            return Err(format!("population is {}; allowed: 2 or more flowers", self.population_size));
-        }
-        if self.population_size.checked_mul(self.iterations + 1).is_none_or(|n| n > 1_000_000_000) {
-            return Err(format!(
-                "population x iterations is {} x {}; allowed: at most a thousand million evaluations",
-                self.population_size, self.iterations
-            ));
-        }
-        Ok(())
     }
 }
 
@@ -303,6 +289,6 @@ impl Optimiser for FlowerPollination {
     }
 
     fn budget(&self) -> usize {
-        self.population() * (self.settings.iterations + 1)
+        self.settings.evaluations
     }
 }

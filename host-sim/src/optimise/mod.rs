@@ -4,13 +4,35 @@
 //! takes them. Whoever drives it may compute the costs on as many threads and lanes as there are: the answers, and so the
 //! outcome, do not depend on that. Its whole state can be saved between two calls and read back.
 
+mod adaptive;
+mod algorithm;
+mod covariance;
 mod draws;
+mod evolution;
 mod fpa;
+mod generations;
+mod genetic;
 mod levy;
+mod rounds;
+mod samples;
+mod simplex;
+mod swarm;
+mod wolves;
 
+use adaptive::AdaptiveFlowers;
+pub use algorithm::{ALGORITHMS, Algorithm, Searcher, Setup};
+use covariance::CovarianceAdaptation;
 pub use draws::Draws;
+use evolution::DifferentialEvolution;
 pub use fpa::{FlowerPollination, FpaSettings, Variant};
+pub use generations::Generations;
+use genetic::Genetic;
 pub use levy::levy_step;
+pub use rounds::Rounds;
+use samples::Samples;
+use simplex::NelderMead;
+use swarm::Swarm;
+use wolves::Wolves;
 
 use serde::{Deserialize, Serialize};
 
@@ -113,5 +135,7 @@ pub fn run(
     }
 }
 
+#[cfg(test)]
+mod peer_tests;
 #[cfg(test)]
 mod tests;

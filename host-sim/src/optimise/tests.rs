@@ -1,16 +1,16 @@
 use super::*;
 
-fn sphere(x: &[f64]) -> f64 {
+pub(super) fn sphere(x: &[f64]) -> f64 {
     x.iter().zip([3.0, -2.0, 0.5, 4.1]).map(|(x, o)| (x - o) * (x - o)).sum()
 }
 
 /// Optimum moved from (1, 1, ..) by a shift, so that a bias towards the origin or the centre shows.
-fn rosenbrock(x: &[f64]) -> f64 {
+pub(super) fn rosenbrock(x: &[f64]) -> f64 {
     let y: Vec<f64> = x.iter().map(|x| x - 1.3).collect();
     y.windows(2).map(|w| 100.0 * (w[1] - w[0] * w[0]).powi(2) + (1.0 - w[0]).powi(2)).sum()
 }
 
-fn rastrigin(x: &[f64]) -> f64 {
+pub(super) fn rastrigin(x: &[f64]) -> f64 {
     let of = |x: &f64, o: f64| {
         let z = x - o;
         z * z + 10.0 * (1.0 - (core::f64::consts::TAU * z).cos())
@@ -18,12 +18,12 @@ fn rastrigin(x: &[f64]) -> f64 {
     x.iter().zip([1.7, -2.6, 0.4, 3.3]).map(|(x, o)| of(x, o)).sum()
 }
 
-fn bounds() -> Bounds {
+pub(super) fn bounds() -> Bounds {
     Bounds::new(vec![[-6.0, 6.0]; 4]).unwrap()
 }
 
 fn settings(variant: Variant, iterations: usize) -> FpaSettings {
-    FpaSettings { iterations, ..FpaSettings::published(variant) }
+    FpaSettings { evaluations: 50 * (iterations + 1), ..FpaSettings::published(variant) }
 }
 
 fn minimised(settings: FpaSettings, seed: u64, cost: fn(&[f64]) -> f64) -> FlowerPollination {

@@ -22,7 +22,7 @@ pub use cost::{Score, Terms, quantile, total};
 pub use kernel::STEP_DEG;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
 pub use riccati::{kalman, lqr};
-pub use tuning::{Plan, Tuned, Tuning, tune};
+pub use tuning::{Plan, Robust, Tuning};
 
 use crate::lanes::LANES;
 use crate::scenario::SAMPLE_TIME;

@@ -1,24 +1,65 @@
-//! Tuning any controller on the robust objective by flower pollination, in rounds.
-//!
-//! Each round searches the logarithms of the parameters within a range around the best controller so far, and each round's range is
-//! smaller than the last one's: the paper's FPA contracts fast (its population by .7 an iteration), so a search in a dozen
-//! dimensions gains more from starting anew around what it found than from more iterations.
+//! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
 use super::Trial;
 use crate::error::{Outcome, known_name};
 use crate::gains_file::{GainsFile, Provenance};
-use crate::optimise::{Bounds, Candidate, Draws, FlowerPollination, FpaSettings, Optimiser, Variant};
+use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
 use crate::rig::NamedRig;
 use crate::tunable::Tunable;
+use crate::tuner::{Conduct, Effort, Problem, Search};
 use rayon::prelude::*;
-use twinrotor::controller::ControllerSettings;
+use std::sync::atomic::{AtomicU64, Ordering};
 use twinrotor::plant::presets::Rig;
 
-/// How to search.
+/// J of a controller's parameters on a set of plants.
+#[derive(Debug)]
+pub struct Robust<'a> {
+    /// The plants.
+    pub trial: &'a Trial,
+    /// The controller.
+    pub tunable: &'a Tunable,
+    evaluated: AtomicU64,
+    diverged: AtomicU64,
+}
+
+impl<'a> Robust<'a> {
+    /// Positions are logarithms of factors on the start values of `tunable`.
+    pub fn new(trial: &'a Trial, tunable: &'a Tunable) -> Self {
+        Self { trial, tunable, evaluated: AtomicU64::new(0), diverged: AtomicU64::new(0) }
+    }
+
+    fn cost(&self, position: &[f64]) -> f64 {
+        let controller = self.tunable.controller(position);
+        // What no gains file could hold is no candidate.
+        if controller.validate().is_err() {
+            return f64::INFINITY;
+        }
+        let scores = self.trial.scores(&controller);
+        self.evaluated.fetch_add(1, Ordering::Relaxed);
+        self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
+        super::total(&scores)
+    }
+}
+
+impl Problem for Robust<'_> {
+    /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`](super::Score::diverged)), so that the
+    /// search learns in which direction fewer do.
+    fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
+        candidates.par_iter().map(|candidate| self.cost(&candidate.position)).collect()
+    }
+
+    fn effort(&self) -> Effort {
+        let evaluated = self.evaluated.load(Ordering::Relaxed);
+        let diverged = self.diverged.load(Ordering::Relaxed);
+        Effort { simulated: self.trial.steps() * evaluated, skipped: 0, diverged }
+    }
+}
+
+/// How to search: in rounds, each around the best so far and within less.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The algorithm and its numbers, for each round.
-    pub fpa: FpaSettings,
+    /// The method and what it may use in each round.
+    pub setup: Setup,
     /// How many rounds, at least 1.
     pub rounds: usize,
     /// Factor within which each parameter is searched in the first round, above 1.
@@ -27,76 +68,12 @@ pub struct Plan {
     pub seed: u64,
 }
 
-/// What came out.
-#[derive(Debug, Clone)]
-pub struct Tuned {
-    /// The best controller.
-    pub controller: ControllerSettings<f64>,
-    /// Its J on the plants it was tuned on.
-    pub cost: f64,
-    /// Evaluations used.
-    pub evaluations: usize,
-    /// Evaluations and cost at every improvement.
-    pub history: Vec<(usize, f64)>,
-    /// Was it stopped before its end?
-    pub stopped: bool,
-}
-
-/// From round to round the range's logarithm shrinks to this part.
-const SHRINK: f64 = 0.6;
-
-/// Tunes; what no gains file could hold costs infinity. `seen` is shown evaluations and best cost after every exchange, and stops the search by returning false.
-pub fn tune(
-    trial: &Trial,
-    tunable: &Tunable,
-    plan: &Plan,
-    mut seen: impl FnMut(usize, f64) -> bool,
-) -> Tuned {
-    let dimension = tunable.names().len();
-    let mut center = vec![0.0; dimension];
-    let cost = |position: &[f64]| {
-        let controller = tunable.controller(position);
-        if controller.validate().is_ok() { trial.cost(&controller) } else { f64::INFINITY }
-    };
-    let mut best = cost(&center);
-    let mut evaluations = 1;
-    let mut history = vec![(evaluations, best)];
-    let mut reach = plan.range.ln();
-    let mut stopped = false;
-    for round in 0..plan.rounds as u64 {
-        let bounds = Bounds::new(center.iter().map(|c| [c - reach, c + reach]).collect());
-        let bounds = bounds.expect("a range around finite numbers");
-        let draws = Draws::new(plan.seed.wrapping_mul(1000).wrapping_add(round));
-        let mut search = FlowerPollination::new(plan.fpa.clone(), bounds, draws);
-        loop {
-            let asked = search.ask();
-            if asked.is_empty() {
-                break;
-            }
-            search.tell(&costs(&asked, &cost));
-            let now = evaluations + search.evaluations();
-            if let Some(found) = search.best().filter(|b| b.cost < best) {
-                best = found.cost;
-                center.clone_from(&found.position);
-                history.push((now, best));
-            }
-            if !seen(now, best) {
-                stopped = true;
-                break;
-            }
-        }
-        evaluations += search.evaluations();
-        reach *= SHRINK;
-        if stopped {
-            break;
-        }
+impl Plan {
+    /// The search over `dimension` parameters at its beginning.
+    pub fn start(&self, dimension: usize) -> Searcher {
+        let reach = self.range.ln();
+        Searcher::Rounds(Box::new(Rounds::new(self.setup, self.rounds, dimension, reach, self.seed)))
     }
-    Tuned { controller: tunable.controller(&center), cost: best, evaluations, history, stopped }
-}
-
-/// In order, on all threads.
-fn costs(asked: &[Candidate], cost: &(impl Fn(&[f64]) -> f64 + Sync)) -> Vec<f64> {
-    asked.par_iter().map(|candidate| cost(&candidate.position)).collect()
 }
 
 /// Everything that is the same for all controllers that are to be compared: plants, budget, algorithm.
@@ -114,12 +91,12 @@ const PLANTS: usize = 32;
 impl Tuning {
     /// `rounds` searches of 500 evaluations each.
     pub fn standard(named: &NamedRig, rounds: usize, seed: u64) -> Self {
-        let fpa =
-            FpaSettings { population_size: 25, iterations: 19, ..FpaSettings::published(Variant::Yang) };
+        let algorithm = Algorithm::Fpa(Variant::Yang);
+        let setup = Setup { algorithm, population: Some(25), evaluations: 500 };
         let allowance = super::allowance(&named.name, &named.rig);
         Self {
             trial: Trial::new(&named.rig, PLANTS, seed, allowance),
-            plan: Plan { fpa, rounds, range: 4.0, seed },
+            plan: Plan { setup, rounds, range: 4.0, seed },
             preset: named.name.clone(),
             rig: named.rig,
         }
@@ -129,16 +106,18 @@ impl Tuning {
     pub fn run(&self, name: &str) -> Outcome<GainsFile> {
         let design = known_name("controller", name, &super::CATALOGUE)?;
         let tunable = Tunable::new(&design(&self.rig), &[])?;
-        let tuned = tune(&self.trial, &tunable, &self.plan, |_, _| true);
+        let mut search = Search::new(String::new(), self.plan.start(tunable.names().len()));
+        search.run(&Robust::new(&self.trial, &tunable), &Conduct::to_the_end())?;
+        let best = search.best().expect("the start is evaluated first");
         let provenance = Provenance {
             preset: self.preset.clone(),
             objective: format!("robust, {PLANTS} plants"),
             algorithm: format!("fpa-yang, {} rounds", self.plan.rounds),
             seed: self.plan.seed,
-            evaluations: tuned.evaluations,
-            cost: tuned.cost,
+            evaluations: search.evaluations(),
+            cost: best.cost,
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
-        Ok(GainsFile { controller: tuned.controller, provenance: Some(provenance) })
+        Ok(GainsFile { controller: tunable.controller(&best.position), provenance: Some(provenance) })
     }
 }

@@ -1,0 +1,198 @@
+//! `bench-tuners`: methods of search side by side on one problem.
+
+use super::common::{Common, catch_interrupts, interrupted};
+use super::{print, print_json, tables};
+use crate::error::{Failure, Outcome, at_least, known_name};
+use crate::figures;
+use crate::flight::Fidelity;
+use crate::metrics::Criterion;
+use crate::objective::Objective;
+use crate::optimise::{ALGORITHMS, Bounds, Setup};
+use crate::peers::{Peer, Standing, best_known, standings};
+use crate::plot;
+use crate::rig::NamedRig;
+use crate::robust::{self, CATALOGUE, Robust, Trial};
+use crate::scenario::Scenario;
+use crate::tunable::Tunable;
+use crate::tuner::Problem;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::path::PathBuf;
+use twinrotor::gains;
+
+/// Flags of `bench-tuners`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// Which, by the names of `tune --algorithm`; the others are tested against the first [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    algorithms: Vec<String>,
+    /// Searches of each
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    seeds: usize,
+    /// The problem: the paper's four gains on its ISE, or all of a controller's parameters on the robust objective
+    #[arg(long, default_value = "ise")]
+    objective: Goal,
+    /// Evaluations of each search [default: 1550 for ISE, 600 for robust]
+    #[arg(long, value_name = "N")]
+    evaluations: Option<usize>,
+    /// Robust: whose parameters, around its design
+    #[arg(long, default_value = "integral", value_name = "NAME")]
+    controller: String,
+    /// Robust: on how many plants
+    #[arg(long, value_name = "N", default_value_t = 32)]
+    plants: usize,
+    /// Robust: factor within which each parameter is searched
+    #[arg(long, value_name = "FACTOR", default_value_t = 4.0, allow_negative_numbers = true)]
+    range: f64,
+    /// Draw convergence (.svg or .png)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+enum Goal {
+    Ise,
+    Robust,
+}
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    preset: &'a str,
+    objective: Goal,
+    seed: u64,
+    seeds: usize,
+    evaluations: usize,
+    best_known: f64,
+    standings: Vec<Standing>,
+    algorithms: &'a [Peer],
+}
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let named = args.common.resolve()?;
+    let setups = setups(args)?;
+    if let Some(path) = &args.plot {
+        plot::check("--plot", path)?;
+    }
+    let (peers, what) = match args.objective {
+        Goal::Ise => {
+            let step = Scenario::load("step")?;
+            let problem =
+                Objective::new(Criterion::Ise, &named.rig, &step, Fidelity::Ideal, args.common.seed);
+            let bounds = Bounds::new(vec![gains::PAPER_BOUNDS; 4]).map_err(Failure::Input)?;
+            (search(args, &setups, &bounds, &problem)?, "ISE of the step, four gains in 1..25".to_owned())
+        }
+        Goal::Robust => robust_problem(args, &named, &setups)?,
+    };
+    let known = best_known(&peers);
+    let standings = standings(&peers, known);
+    if let Some(path) = &args.plot {
+        let title = format!("{}: {what}; median of {} seeds, quarter points", named.name, args.seeds);
+        figures::convergence(&title, &peers, known, setups[0].1.evaluations).write(path)?;
+    }
+    if args.common.json {
+        return print_json(&Document {
+            preset: &named.name,
+            objective: args.objective,
+            seed: args.common.seed,
+            seeds: args.seeds,
+            evaluations: setups[0].1.evaluations,
+            best_known: known,
+            standings,
+            algorithms: &peers,
+        });
+    }
+    print(&format!(
+        "{}: {what}; {} seeds, {} evaluations each\n{}\n",
+        named.name,
+        args.seeds,
+        setups[0].1.evaluations,
+        table(&standings)
+    ))
+}
+
+fn setups(args: &Args) -> Outcome<Vec<(String, Setup)>> {
+    if !(2..=10_000).contains(&args.seeds) {
+        return Err(Failure::Input(format!("--seeds is {}; allowed: 2 to 10000", args.seeds)));
+    }
+    let usual = if args.objective == Goal::Ise { 1550 } else { 600 };
+    let evaluations = args.evaluations.unwrap_or(usual);
+    let all = || ALGORITHMS.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let names: Vec<String> = if args.algorithms.is_empty() { all() } else { args.algorithms.clone() };
+    let setup = |name: String| {
+        let algorithm = *known_name("algorithm", &name, &ALGORITHMS)?;
+        let setup = Setup { algorithm, population: None, evaluations };
+        setup.validate().map_err(|e| Failure::Input(format!("--{e}")))?;
+        Ok((name, setup))
+    };
+    names.into_iter().map(setup).collect()
+}
+
+fn robust_problem(args: &Args, named: &NamedRig, setups: &[(String, Setup)]) -> Outcome<(Vec<Peer>, String)> {
+    at_least("--range", args.range, 1.0, true)?;
+    if args.plants == 0 || args.plants > 100_000 {
+        return Err(Failure::Input(format!("--plants is {}; allowed: 1 to 100000", args.plants)));
+    }
+    let design = known_name("controller", &args.controller, &CATALOGUE)?;
+    let tunable = Tunable::new(&design(&named.rig), &[])?;
+    let allowance = robust::allowance(&named.name, &named.rig);
+    let trial = Trial::new(&named.rig, args.plants, args.common.seed, allowance);
+    let reach = args.range.ln();
+    let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()]).map_err(Failure::Input)?;
+    let what = format!(
+        "robust objective of '{}' on {} plants, {} parameters within a factor of {}",
+        args.controller,
+        args.plants,
+        tunable.names().len(),
+        args.range
+    );
+    Ok((search(args, setups, &bounds, &Robust::new(&trial, &tunable))?, what))
+}
+
+fn search(
+    args: &Args,
+    setups: &[(String, Setup)],
+    bounds: &Bounds,
+    problem: &dyn Problem,
+) -> Outcome<Vec<Peer>> {
+    catch_interrupts();
+    let total: usize = setups.iter().map(|(_, s)| s.evaluations * args.seeds).sum();
+    let bar = ProgressBar::new(total as u64);
+    let style = ProgressStyle::with_template("{prefix:12} {bar:32} {pos}/{len} evaluations, {eta} left");
+    bar.set_style(style.expect("the template is well-formed"));
+    let seeds = || args.common.seed..args.common.seed.saturating_add(args.seeds as u64);
+    let seen = |evaluations: usize| {
+        bar.inc(evaluations as u64);
+        !interrupted()
+    };
+    let one = |(name, setup): &(String, Setup)| {
+        bar.set_prefix(name.clone());
+        Peer::search(name, setup, bounds, seeds(), problem, &seen).ok_or(Failure::Interrupted)
+    };
+    let peers = setups.iter().map(one).collect();
+    bar.finish_and_clear();
+    peers
+}
+
+fn table(standings: &[Standing]) -> comfy_table::Table {
+    let mut table = tables::table(&["", "median", "IQR", "best", "worst", "to 1 %", "to .1 %", "p"]);
+    for s in standings {
+        let count = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.0}"));
+        tables::add(
+            &mut table,
+            [
+                s.name.clone(),
+                format!("{:.7}", s.median),
+                format!("{:.1e}", s.interquartile_range),
+                format!("{:.7}", s.best),
+                format!("{:.7}", s.worst),
+                count(s.evaluations_to_1_percent),
+                count(s.evaluations_to_01_percent),
+                s.p_value.map_or_else(String::new, |p| format!("{p:.1e}")),
+            ],
+        );
+    }
+    table
+}

@@ -1,0 +1,214 @@
+//! What `tune` reports.
+
+use super::tables;
+use super::tune::{Args, Request, fly_in};
+use crate::error::Outcome;
+use crate::flight::{Fidelity, Flight};
+use crate::gains_file::GainsFile;
+use crate::metrics::Criterion;
+use crate::objective::Objective;
+use crate::scenario::SAMPLE_TIME;
+use crate::tuner::{Effort, Search};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use twinrotor::gains::{self, NAMES};
+
+/// A gain this near to a bound (part of the range) is probably held there by it.
+const NEAR_A_BOUND: f64 = 0.02;
+
+/// As it is typed.
+pub(super) fn name_of(criterion: Criterion) -> String {
+    format!("{criterion:?}").to_lowercase()
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Document<'a> {
+    algorithm: &'a str,
+    preset: &'a str,
+    objective: Criterion,
+    scenario: &'a str,
+    fidelity: Fidelity,
+    seed: u64,
+    evaluations: usize,
+    cost: f64,
+    wall_s: f64,
+    horizon_s: f64,
+    tick_s: f64,
+    steps_simulated: u64,
+    steps_skipped: u64,
+    diverged: u64,
+    gains: &'a GainsFile,
+    history: &'a [(usize, f64)],
+}
+
+pub(super) fn document<'a>(
+    args: &'a Args,
+    request: &'a Request,
+    search: &'a Search,
+    found: &'a GainsFile,
+    wall_s: f64,
+) -> Document<'a> {
+    let Effort { simulated, skipped, diverged } = search.effort();
+    Document {
+        algorithm: &args.algorithm,
+        preset: &request.named.name,
+        objective: request.criterion,
+        scenario: &request.scenario.name,
+        fidelity: args.fidelity,
+        seed: args.common.seed,
+        evaluations: search.evaluations(),
+        cost: search.best().map_or(f64::INFINITY, |b| b.cost),
+        wall_s,
+        horizon_s: request.scenario.duration,
+        tick_s: SAMPLE_TIME,
+        steps_simulated: simulated,
+        steps_skipped: skipped,
+        diverged,
+        gains: found,
+        history: search.history(),
+    }
+}
+
+pub(super) fn summary(
+    args: &Args,
+    request: &Request,
+    search: &Search,
+    objective: &Objective,
+    found: &GainsFile,
+    flown: &[Flight; 2],
+    wall: f64,
+) -> String {
+    let mut text = String::new();
+    let objective_name = name_of(request.criterion).to_uppercase();
+    let paper = objective.cost(&GainsFile::paper());
+    let best = search.best().map_or(f64::INFINITY, |b| b.cost);
+    let Effort { simulated, skipped, diverged } = search.effort();
+    let _ = writeln!(
+        text,
+        "{} on preset {}, scenario {}: {} evaluations, {:.2} million steps and {:.2} million skipped, in {:.2} s",
+        args.algorithm,
+        request.named.name,
+        request.scenario.name,
+        search.evaluations(),
+        simulated as f64 / 1e6,
+        skipped as f64 / 1e6,
+        wall
+    );
+    if diverged > 0 {
+        let _ = writeln!(text, "{diverged} candidates diverged; they cost infinity");
+    }
+    let mut table = tables::table(&["", "paper (Table 4)", "tuned", "change"]);
+    gain_rows(&mut table, found);
+    let change = |a: f64, b: f64| format!("{:+.1} %", 100.0 * (b / a - 1.0));
+    tables::add(
+        &mut table,
+        [
+            format!("{objective_name}, what was minimised"),
+            format!("{paper:.6}"),
+            format!("{best:.6}"),
+            change(paper, best),
+        ],
+    );
+    flight_rows(&mut table, flown);
+    let _ = writeln!(text, "{table}");
+    text.push_str(&bound_warnings(request, found));
+    text.push_str(&in_the_rigs_world(args, request, found, &objective_name));
+    let _ = writeln!(text, "gains:   {}\nfigure:  {}", args.out.display(), request.plot.display());
+    let _ = writeln!(text, "fly it:  cargo run -p host-sim simulate --gains {}", shown(&args.out));
+    text
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn gain_rows(table: &mut comfy_table::Table, found: &GainsFile) {
+    let (paper, tuned) =
+        (gains::PAPER.to_paper_order(), found.gains().expect("the paper's law").to_paper_order());
+    for (k, name) in NAMES.iter().enumerate() {
+        tables::add(
+            table,
+            [
+                format!("k{} {name} [1/s]", k + 1),
+                format!("{:.3}", paper[k]),
+                format!("{:.3}", tuned[k]),
+                String::new(),
+            ],
+        );
+    }
+}
+
+fn flight_rows(table: &mut comfy_table::Table, flown: &[Flight; 2]) {
+    let mut row = |name: &str, of: &dyn Fn(&Flight) -> String| {
+        tables::add(table, [name.to_owned(), of(&flown[0]), of(&flown[1]), String::new()]);
+    };
+    row("settling 2 %, pitch [s]", &|f| tables::seconds(f.report.pitch.settling_time_2));
+    row("settling 2 %, yaw [s]", &|f| tables::seconds(f.report.yaw.settling_time_2));
+    row("overshoot, pitch [%]", &|f| tables::percent(f.report.pitch.overshoot_percent));
+    row("overshoot, yaw [%]", &|f| tables::percent(f.report.yaw.overshoot_percent));
+    row("main motor beyond its limit [ms]", &|f| format!("{:.0}", 1e3 * f.report.main.saturation_time));
+    row("tail motor beyond its limit [ms]", &|f| format!("{:.0}", 1e3 * f.report.tail.saturation_time));
+    row("peak demand, main [V]", &|f| format!("{:.1}", f.report.main.peak_demand));
+    row("peak demand, tail [V]", &|f| format!("{:.1}", f.report.tail.peak_demand));
+}
+
+fn bound_warnings(request: &Request, found: &GainsFile) -> String {
+    let [low, high] = request.bounds;
+    let near = NEAR_A_BOUND * (high - low);
+    let mut text = String::new();
+    for (name, value) in NAMES.iter().zip(found.gains().expect("the paper's law").to_paper_order()) {
+        let bound = if value - low < near {
+            low
+        } else if high - value < near {
+            high
+        } else {
+            continue;
+        };
+        let _ = writeln!(
+            text,
+            "warning: {name} = {value:.3} lies at the bound {bound}: the objective wants more than the bounds allow"
+        );
+    }
+    text
+}
+
+/// The same two sets of gains with what an objective in the paper's world does not see.
+fn in_the_rigs_world(args: &Args, request: &Request, found: &GainsFile, objective_name: &str) -> String {
+    if args.fidelity == Fidelity::Rig {
+        return String::new();
+    }
+    let mut text = format!(
+        "\nWhat {objective_name} in the paper's world does not see: the same gains in the rig's (--fidelity rig: \
+         rotor lag {} s, encoder counts, estimated rates, one tick of delay)\n",
+        request.named.rig.plant.rotor_time_constant.main
+    );
+    let flights = [GainsFile::paper(), found.clone()].map(|g| fly_in(args, request, &g, Fidelity::Rig));
+    let cell = |f: &Outcome<Flight>, of: &dyn Fn(&Flight) -> String| match f {
+        Ok(flight) => of(flight),
+        Err(_) => "diverges".to_owned(),
+    };
+    let mut table = tables::table(&["", "paper (Table 4)", "tuned"]);
+    let mut row = |name: &str, of: &dyn Fn(&Flight) -> String| {
+        tables::add(&mut table, [name.to_owned(), cell(&flights[0], of), cell(&flights[1], of)]);
+    };
+    row("settling 2 %, pitch / yaw [s]", &|f| {
+        format!(
+            "{} / {}",
+            tables::seconds(f.report.pitch.settling_time_2),
+            tables::seconds(f.report.yaw.settling_time_2)
+        )
+    });
+    row("overshoot, pitch / yaw [%]", &|f| {
+        format!(
+            "{} / {}",
+            tables::percent(f.report.pitch.overshoot_percent),
+            tables::percent(f.report.yaw.overshoot_percent)
+        )
+    });
+    row("motors beyond their limits [ms]", &|f| {
+        format!("{:.0}", 1e3 * (f.report.main.saturation_time + f.report.tail.saturation_time))
+    });
+    let _ = writeln!(text, "{table}");
+    text
+}

@@ -1,0 +1,222 @@
+//! The paper reproduced: every table, figure and claim beside what this implementation gets, computed anew.
+
+mod claims;
+mod html;
+mod measure;
+mod responses;
+mod search;
+mod tables;
+
+use crate::error::{Failure, Outcome};
+use crate::output;
+use crate::plot::Figure;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+
+/// How a statement of the paper stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It comes out.
+    Reproduced,
+    /// It comes out under one reading of what the paper leaves open.
+    WithinAmbiguity,
+    /// It does not.
+    NotReproduced,
+    /// Nothing to reproduce: taken as it is printed.
+    Given,
+}
+
+impl Verdict {
+    fn of(holds: bool) -> Self {
+        if holds { Self::Reproduced } else { Self::NotReproduced }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::WithinAmbiguity => "within its ambiguity",
+            Self::NotReproduced => "not reproduced",
+            Self::Given => "given",
+        }
+    }
+}
+
+/// One statement of the paper, and ours.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Entry {
+    /// What it is about.
+    pub what: String,
+    /// What the paper says.
+    pub paper: String,
+    /// What comes out here.
+    pub ours: String,
+    /// How they compare.
+    pub verdict: Verdict,
+    /// Why.
+    pub remark: String,
+}
+
+fn entry(
+    what: &str,
+    paper: &str,
+    ours: impl Into<String>,
+    verdict: Verdict,
+    remark: impl Into<String>,
+) -> Entry {
+    Entry {
+        what: what.to_owned(),
+        paper: paper.to_owned(),
+        ours: ours.into(),
+        verdict,
+        remark: remark.into(),
+    }
+}
+
+/// A picture with what it shows.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Its file's stem.
+    pub name: String,
+    /// Beneath it.
+    pub caption: String,
+    /// What is drawn.
+    pub figure: Figure,
+}
+
+/// A table or figure of the paper, or a chapter of what it leaves out.
+#[derive(Debug, Clone, Default)]
+pub struct Section {
+    /// Its heading.
+    pub title: String,
+    /// What one must know first.
+    pub text: String,
+    /// Statements.
+    pub entries: Vec<Entry>,
+    /// Pictures.
+    pub pictures: Vec<Picture>,
+}
+
+/// How much is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Size {
+    /// Seeds of each search.
+    pub seeds: u64,
+    /// Evaluations of each search when methods are compared.
+    pub evaluations: usize,
+    /// Plants of the fan.
+    pub fan: usize,
+    /// Evaluations for tuning each controller of Table 6.
+    pub tuning: usize,
+    /// Plants that it is tested on.
+    pub plants: usize,
+}
+
+impl Size {
+    /// What is done in seconds.
+    pub const SMALL: Self = Self { seeds: 3, evaluations: 600, fan: 12, tuning: 100, plants: 64 };
+    /// The rest.
+    pub const FULL: Self = Self { seeds: 30, evaluations: 1550, fan: 60, tuning: 1000, plants: 300 };
+}
+
+/// Everything.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// How much was computed.
+    pub size: Size,
+    /// In the paper's order.
+    pub sections: Vec<Section>,
+}
+
+impl Report {
+    /// Computes all of it. `seen` is told what comes next.
+    pub fn compute(size: Size, seed: u64, seen: &dyn Fn(&str)) -> Outcome<Self> {
+        let mut sections = Vec::new();
+        seen("searching with every method");
+        let searches = search::searches(size, seed)?;
+        sections.push(search::table_1(&searches));
+        seen("the paper's algorithm");
+        sections.push(search::table_2(&searches, seed)?);
+        sections.push(tables::table_3()?);
+        sections.push(tables::table_4(&searches)?);
+        seen("responses");
+        sections.extend(responses::step()?);
+        seen("tuning the rivals");
+        sections.push(tables::table_6(size, seed)?);
+        sections.extend(responses::scenarios(seed)?);
+        seen("claims");
+        sections.push(claims::claims(&searches, seed)?);
+        sections.push(claims::contradictions());
+        sections.push(responses::fan(size, seed)?);
+        Ok(Self { size, sections })
+    }
+
+    /// Writes `index.html`, `report.json`, `statements.csv` and a CSV file for each figure into `folder`.
+    pub fn write(&self, folder: &Path) -> Outcome<()> {
+        output::write(&folder.join("index.html"), self.to_html()?.as_bytes())?;
+        let json = serde_json::to_string_pretty(&self.document()).expect("plain data");
+        output::write(&folder.join("report.json"), format!("{json}\n").as_bytes())?;
+        output::write(&folder.join("statements.csv"), self.to_csv().as_bytes())?;
+        for picture in self.sections.iter().flat_map(|s| &s.pictures) {
+            let path = folder.join(format!("{}.csv", picture.name));
+            output::write(&path, picture.figure.to_csv().as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// For `report.json`.
+    pub fn document(&self) -> Document<'_> {
+        let section = |s: &'_ Section| SectionDocument {
+            title: s.title.clone(),
+            entries: s.entries.clone(),
+            figures: s.pictures.iter().map(|p| format!("{}.csv", p.name)).collect(),
+        };
+        Document { size: &self.size, sections: self.sections.iter().map(section).collect() }
+    }
+
+    fn to_csv(&self) -> String {
+        let mut text = String::from("section,what,paper,ours,verdict,remark\n");
+        for section in &self.sections {
+            for e in &section.entries {
+                let cells =
+                    [&section.title, &e.what, &e.paper, &e.ours, &e.verdict.words().to_owned(), &e.remark];
+                let quoted = cells.map(|c| format!("\"{}\"", c.replace('"', "\"\"")));
+                let _ = writeln!(text, "{}", quoted.join(","));
+            }
+        }
+        text
+    }
+
+    /// How many statements have each verdict, in the order of [`Verdict`].
+    pub fn tally(&self) -> [usize; 4] {
+        [Verdict::Reproduced, Verdict::WithinAmbiguity, Verdict::NotReproduced, Verdict::Given]
+            .map(|v| self.sections.iter().flat_map(|s| &s.entries).filter(|e| e.verdict == v).count())
+    }
+}
+
+/// The report as data.
+#[derive(Debug, Serialize)]
+pub struct Document<'a> {
+    size: &'a Size,
+    sections: Vec<SectionDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct SectionDocument {
+    title: String,
+    entries: Vec<Entry>,
+    figures: Vec<String>,
+}
+
+/// Makes the folder if it is not there.
+pub fn prepare(folder: &Path) -> Outcome<()> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Failure::Input(format!(
+            "--out is '{}', which is a file; a folder is needed",
+            folder.display()
+        )));
+    }
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Failure::Input(format!("--out is '{}', which cannot be made: {e}", folder.display())))
+}
