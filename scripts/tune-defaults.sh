@@ -15,6 +15,8 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
     case $name in
         # The lag is uncertain and short: neither lead nor cancellation.
         paper) start="--controller integral --algorithm fpa-paper --population 30 --iterations 30" ;;
+        # Lead gains nothing where the motors are weak and the flight long.
+        aero2) start="--controller integral --algorithm fpa-yang --population 25 --iterations 19" ;;
         *) start="--controller cancelling --algorithm fpa-yang --population 25 --iterations 19" ;;
     esac
     # shellcheck disable=SC2086

@@ -88,25 +88,25 @@ pub const AERO: ControllerSettings<f64> = ControllerSettings {
 pub const AERO2: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 5.526154810615598,
-            rate: 1.4732817514693572,
-            weight: 1.3766000862724135,
-            integral: 4.985779587488638,
+            position: 1.378318914692204,
+            rate: 9.19779817192941,
+            weight: 1.9906974934217687,
+            integral: 1.3468080999792131,
         },
         IntegralGains {
-            position: 7.108917682174809,
-            rate: 6.277256820320723,
-            weight: 0.29043641441494605,
-            integral: 2.4070030358160173,
+            position: 0.7023095344959887,
+            rate: 15.447285968010828,
+            weight: 1.7219590701001874,
+            integral: 5.562345798899488,
         },
     )),
-    estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(7.896372176590371, 2.6101435868786536),
+    estimator: EstimatorSettings::Luenberger {
+        bandwidth: PerAxis::new(36.725461028472054, 78.54077405345978),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(2.256064455343301, 1.9490779599746482) }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 1.0262950269650597 },
-    lead: Some(Lead { factor: 3.003969988684248 }),
-    cancellation: Some(PerAxis::new(0.6064629213071324, 0.43305738548487094)),
+    filter: Some(FilterSettings { bandwidth: PerAxis::new(2.5868638992349418, 1.7355504302968905) }),
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.7341562484373592 },
+    lead: None,
+    cancellation: None,
 };
 
 /// For [`presets::AERO_LAB`](crate::plant::presets::AERO_LAB): `gains/aero-lab.toml`.
