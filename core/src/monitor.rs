@@ -82,7 +82,7 @@ pub struct Monitor {
 struct Bounds {
     pitch: f32,
     rate: PerAxis<f32>,
-    jump: PerAxis<i32>,
+    jump: PerAxis<u32>,
     supply_low: f32,
     supply_high: f32,
     command_timeout: u32,
@@ -95,8 +95,12 @@ impl Monitor {
         let limits = &parameters.limits;
         let jump = |rate: f32, angle_per_count: f32| {
             let counts = JUMP_MARGIN * rate * parameters.settings.sample_time / angle_per_count + JUMP_COUNTS;
-            #[expect(clippy::cast_possible_truncation, reason = "saturates, and then never trips")]
-            let counts = counts as i32;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates, and then never trips"
+            )]
+            let counts = counts as u32;
             counts
         };
         Self {
@@ -129,7 +133,7 @@ impl Monitor {
     pub fn check(&mut self, seen: &Seen<'_>) -> Conditions {
         let b = &self.limits;
         let state = &seen.estimate.state;
-        let jumped = seen.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit.unsigned_abs());
+        let jumped = seen.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
         let outside = !(seen.supply >= b.supply_low && seen.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
         let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;

@@ -5,7 +5,7 @@ use crate::allocation::{Allocation, Allocator, CurrentLimit, CurrentLimitSetting
 use crate::axes::{PerAxis, PerMotor};
 use crate::command_filter::CommandFilter;
 use crate::controller::ControllerSettings;
-use crate::estimator::{Estimate, Estimator};
+use crate::estimator::{Belief, Estimate, Estimator};
 use crate::gains::Gains;
 use crate::law::{ControlLaw, Law, Situation};
 use crate::lead::Lead;
@@ -163,13 +163,26 @@ impl<R: Real> Pipeline<R> {
         applied: PerMotor<R>,
         setpoint: &Reference<R>,
     ) -> Command<R> {
-        let estimate = self.estimate(measured, applied);
-        self.act(estimate, setpoint)
+        let belief = self.believe(measured, applied);
+        self.decide(belief, setpoint)
+    }
+
+    /// Starts afresh at `angle` \[rad\], at rest: as [`Pipeline::new`] from the same settings, but that motors which were warm
+    /// still are.
+    pub fn restart(&mut self, angle: PerAxis<R>) {
+        if let Some(rotors) = &mut self.rotors {
+            rotors.restart();
+        }
+        self.estimator.restart(angle);
+        if let Some(filter) = &mut self.filter {
+            filter.restart(angle);
+        }
+        self.law.restart();
     }
 
     /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to the next tick.
     #[inline(always)]
-    pub fn estimate(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Estimate<R> {
+    pub fn believe(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Belief<R> {
         let torque = match &mut self.rotors {
             Some(rotors) => rotors.advance(applied),
             None => PerAxis::zero(),
@@ -180,17 +193,23 @@ impl<R: Real> Pipeline<R> {
         self.estimator.update(measured, &self.model, torque)
     }
 
-    /// The second half: what to do about it. In a world where the state is known (ideal fidelity) it is the whole tick.
+    /// The whole tick in a world where the state is known (ideal fidelity).
     #[inline(always)]
     pub fn act(&mut self, estimate: Estimate<R>, setpoint: &Reference<R>) -> Command<R> {
+        self.decide(Belief::new(&self.model, estimate), setpoint)
+    }
+
+    /// The second half of a tick: what to do about it.
+    #[inline(always)]
+    pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Command<R> {
         let reference = match &mut self.filter {
             Some(filter) => filter.step(setpoint),
             None => *setpoint,
         };
-        let now = Situation::new(&self.model, &estimate, &reference);
+        let now = Situation::new(&self.model, belief, reference);
         let mut torque = self.law.torque(&now);
         if let Some(share) = self.cancellation {
-            let found = share.zip(estimate.disturbance, |a, d| a * d);
+            let found = share.zip(now.estimate.disturbance, |a, d| a * d);
             torque = torque.minus(now.dynamics.inertia.zip(found, |i, d| i * d));
         }
         let mut demand = self.allocator.demand(torque);
@@ -204,7 +223,7 @@ impl<R: Real> Pipeline<R> {
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
         self.law.settle(&now, allocation.clipped());
-        Command { estimate, reference, torque, allocation }
+        Command { estimate: now.estimate, reference, torque, allocation }
     }
 
     /// \[V\] The limits in force.
@@ -217,9 +236,28 @@ impl<R: Real> Pipeline<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gains;
     use crate::plant::{State, presets};
+    use crate::{defaults, gains};
     use proptest::prelude::*;
+
+    #[test]
+    fn a_restart_is_a_new_start_but_that_motors_stay_warm() {
+        for ((_, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
+            let settings = Settings::new(&rig, controller, 1e-3).map(f32::from_f64);
+            let start = PerAxis::new(0.1, -0.3);
+            let mut pipeline = Pipeline::new(&settings, PerAxis::zero());
+            for _ in 0..100 {
+                let volts = PerMotor::new(5.0, -4.0);
+                pipeline.tick(PerAxis::new(0.2, 0.4), volts, &Reference::at_rest(PerAxis::both(0.5)));
+            }
+            let warm = pipeline.current_limit;
+            pipeline.restart(start);
+            assert_eq!(pipeline.current_limit, warm);
+            pipeline.current_limit = settings.current_limit.map(|limit| CurrentLimit::new(limit, 1e-3));
+            assert_eq!(pipeline, Pipeline::new(&settings, start));
+            assert!(warm.is_none_or(|warm| Some(warm) != pipeline.current_limit));
+        }
+    }
 
     proptest! {
         /// NaN or infinity anywhere in the input gives zero volts and a flag, never a bound.

@@ -39,16 +39,12 @@ pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     let sine = r + r * z * (c(SINE[0]) + z * (c(SINE[1]) + z * c(SINE[2])));
     let cosine = (R::one() - c(0.5) * z) + z * z * (c(COSINE[0]) + z * (c(COSINE[1]) + z * c(COSINE[2])));
 
-    // The quadrant modulo 4, as one of -2, -1, 0, 1, 2 (the two ends are the same quadrant).
+    // The quadrant modulo 4, as one of -2, -1, 0, 1, 2 (the two ends are the same quadrant); cosine and sine of that many
+    // right angles, each exactly -1, 0 or 1, turn the pair. Products and sums with those are exact.
     let turn = quadrant - c(4.0) * (quadrant * c(0.25)).round_small();
-    let magnitude = turn.abs();
-    let swapped = c(0.5).lt(magnitude) & magnitude.lt(c(1.5));
-    let opposite = c(1.5).lt(magnitude);
-    let s = R::select(swapped, cosine, sine);
-    let k = R::select(swapped, sine, cosine);
-    let sine_negative = opposite | (swapped & turn.lt(R::zero()));
-    let cosine_negative = opposite | (swapped & R::zero().lt(turn));
-    (R::select(sine_negative, -s, s), R::select(cosine_negative, -k, k))
+    let along = R::one() - turn.abs();
+    let across = turn * (R::one() + along);
+    (sine * along + cosine * across, cosine * along - sine * across)
 }
 
 #[cfg(test)]

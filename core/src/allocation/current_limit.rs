@@ -116,8 +116,11 @@ impl<R: Real> CurrentLimit<R> {
             let most = s.continuous + (s.peak - s.continuous) * whole.clamp(R::zero(), R::one());
             s.resistance * most
         });
-        let within = |v: PerMotor<R>| v.zip(limit, |v, limit| v.clamp(-limit, limit));
-        VoltsRange { low: within(center.minus(room)), high: within(center.plus(room)) }
+        // What is in effect is within the limit, and there is always some room: each bound needs looking at from one side.
+        VoltsRange {
+            low: center.minus(room).zip(limit, |low, limit| low.max(-limit)),
+            high: center.plus(room).zip(limit, |high, limit| high.min(limit)),
+        }
     }
 }
 

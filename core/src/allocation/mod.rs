@@ -84,8 +84,6 @@ pub struct Allocation<R: Real> {
     pub volts: PerMotor<R>,
     /// \[V\] What the torque asked for would have taken. Not finite on a fault.
     pub demand: PerMotor<R>,
-    /// \[N m\] Torque asked for that these volts do not give; zero on a fault, where nothing sensible was asked.
-    pub unallocated_torque: PerAxis<R>,
     /// Something that went into this tick was NaN or infinite: no volts.
     pub fault: R::Mask,
 }
@@ -93,12 +91,7 @@ pub struct Allocation<R: Real> {
 impl<R: Real> Allocation<R> {
     /// Nothing asked for, nothing given.
     pub fn none() -> Self {
-        Self {
-            volts: PerMotor::zero(),
-            demand: PerMotor::zero(),
-            unallocated_torque: PerAxis::zero(),
-            fault: R::Mask::splat(false),
-        }
+        Self { volts: PerMotor::zero(), demand: PerMotor::zero(), fault: R::Mask::splat(false) }
     }
 
     /// Was more asked of a motor than its limit allows?
@@ -110,8 +103,8 @@ impl<R: Real> Allocation<R> {
     /// Did a motor get other volts than were asked for, whatever the reason?
     #[inline(always)]
     pub fn clipped(&self) -> R::Mask {
-        let differ = self.volts.zip(self.demand, |v, d| v.lt(d) | d.lt(v));
-        differ.main | differ.tail
+        let missing = self.demand.minus(self.volts).map(Real::abs);
+        R::zero().lt(missing.main + missing.tail)
     }
 }
 
@@ -183,14 +176,15 @@ impl<R: Real> Allocator<R> {
             Method::Scale => scaling::scaled(demand, self.demand(hold), range),
             Method::Weighted(weighted) => weighted.solve(demand, range),
         };
-        let volts = volts.map(|v| R::select(sound, v, R::zero()));
-        let missing = self.effectiveness.torque(demand.minus(volts));
-        Allocation {
-            volts,
-            demand,
-            unallocated_torque: missing.map(|t| R::select(sound, t, R::zero())),
-            fault: !sound,
-        }
+        Allocation { volts: volts.map(|v| R::select(sound, v, R::zero())), demand, fault: !sound }
+    }
+
+    /// \[N m\] What of the torque asked for the volts of `allocation` do not give; zero on a fault, where nothing sensible was
+    /// asked.
+    #[inline(always)]
+    pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
+        let missing = self.effectiveness.torque(allocation.demand.minus(allocation.volts));
+        missing.map(|t| R::select(allocation.fault, R::zero(), t))
     }
 }
 
@@ -232,13 +226,13 @@ mod tests {
                 let a = allocator(&rig, &method);
                 let asked = PerAxis::new(pitch, yaw);
                 let got = a.allocate(a.demand(asked), &VoltsRange::within(rig.volts_limit), PerAxis::zero());
-                let sum = k.torque(got.volts).plus(got.unallocated_torque);
+                let sum = k.torque(got.volts).plus(a.unallocated_torque(&got));
                 prop_assert!((sum.pitch - pitch).abs() < 1e-12 && (sum.yaw - yaw).abs() < 1e-12);
                 prop_assert!(got.volts.main.abs() <= rig.volts_limit.main);
                 prop_assert!(got.volts.tail.abs() <= rig.volts_limit.tail);
                 let over = got.saturated(rig.volts_limit);
                 prop_assert_eq!(over.main || over.tail, got.clipped());
-                prop_assert_eq!(got.clipped(), got.unallocated_torque != PerAxis::zero());
+                prop_assert_eq!(got.clipped(), a.unallocated_torque(&got) != PerAxis::zero());
             }
         }
     }
@@ -252,7 +246,8 @@ mod tests {
                 let got = allocator(&presets::PAPER, &method).allocate(demand, &range, PerAxis::zero());
                 assert!(got.fault);
                 assert_eq!(got.volts, PerMotor::zero());
-                assert_eq!(got.unallocated_torque, PerAxis::zero());
+                let allocator = allocator(&presets::PAPER, &method);
+                assert_eq!(allocator.unallocated_torque(&got), PerAxis::zero());
             }
         }
     }

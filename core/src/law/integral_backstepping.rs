@@ -87,6 +87,11 @@ impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
     }
 
     #[inline(always)]
+    fn restart(&mut self) {
+        self.integral = PerAxis::zero();
+    }
+
+    #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let gained = now.angle_error().scaled(self.sample_time);
         self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped));

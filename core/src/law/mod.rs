@@ -18,7 +18,7 @@ pub use state_feedback::{MotorGains, StateFeedback, StateFeedbackGains};
 pub use super_twisting::{SuperTwisting, SuperTwistingGains};
 
 use crate::axes::PerAxis;
-use crate::estimator::Estimate;
+use crate::estimator::{Belief, Estimate};
 use crate::plant::{Dynamics, Effectiveness, RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;
@@ -31,16 +31,16 @@ pub struct Situation<'a, R> {
     /// The model at the estimated state.
     pub dynamics: Dynamics<R>,
     /// What is.
-    pub estimate: &'a Estimate<R>,
+    pub estimate: Estimate<R>,
     /// What should be.
-    pub reference: &'a Reference<R>,
+    pub reference: Reference<R>,
 }
 
 impl<'a, R: Real> Situation<'a, R> {
-    /// With the model taken at the estimate.
+    /// With what was believed by this model.
     #[inline(always)]
-    pub fn new(model: &'a RigidBody<R>, estimate: &'a Estimate<R>, reference: &'a Reference<R>) -> Self {
-        Self { model, dynamics: model.at(&estimate.state), estimate, reference }
+    pub fn new(model: &'a RigidBody<R>, belief: Belief<R>, reference: Reference<R>) -> Self {
+        Self { model, dynamics: belief.dynamics, estimate: belief.estimate, reference }
     }
 
     /// \[rad\] Reference minus estimate.
@@ -67,6 +67,10 @@ impl<'a, R: Real> Situation<'a, R> {
 pub trait ControlLaw<R: Real> {
     /// The torque \[N m\] that the law asks for, whether or not the motors can give it.
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R>;
+
+    /// Forgets the past, before a new start.
+    #[inline(always)]
+    fn restart(&mut self) {}
 
     /// Ends the tick: was there a motor that could not give what was asked? A law that integrates does it here.
     #[inline(always)]
@@ -106,14 +110,26 @@ impl<R: Real> Law<R> {
 }
 
 impl<R: Real> ControlLaw<R> for Law<R> {
+    // The laws that are calls get a copy: the situation itself then stays in registers for the others.
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         match self {
             Self::Backstepping(law) => law.torque(now),
             Self::IntegralBackstepping(law) => law.torque(now),
-            Self::Pid(law) => law.torque(now),
-            Self::StateFeedback(law) => law.torque(now),
-            Self::SuperTwisting(law) => law.torque(now),
+            Self::Pid(law) => law.torque(&{ *now }),
+            Self::StateFeedback(law) => law.torque(&{ *now }),
+            Self::SuperTwisting(law) => law.torque(&{ *now }),
+        }
+    }
+
+    #[inline(always)]
+    fn restart(&mut self) {
+        match self {
+            Self::Backstepping(law) => law.restart(),
+            Self::IntegralBackstepping(law) => law.restart(),
+            Self::Pid(law) => law.restart(),
+            Self::StateFeedback(law) => law.restart(),
+            Self::SuperTwisting(law) => law.restart(),
         }
     }
 
@@ -122,9 +138,9 @@ impl<R: Real> ControlLaw<R> for Law<R> {
         match self {
             Self::Backstepping(law) => law.settle(now, clipped),
             Self::IntegralBackstepping(law) => law.settle(now, clipped),
-            Self::Pid(law) => law.settle(now, clipped),
-            Self::StateFeedback(law) => law.settle(now, clipped),
-            Self::SuperTwisting(law) => law.settle(now, clipped),
+            Self::Pid(law) => law.settle(&{ *now }, clipped),
+            Self::StateFeedback(law) => law.settle(&{ *now }, clipped),
+            Self::SuperTwisting(law) => law.settle(&{ *now }, clipped),
         }
     }
 }

@@ -68,6 +68,11 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
         now.feed_forward().plus(feedback)
     }
 
+    #[inline(always)]
+    fn restart(&mut self) {
+        self.integral = PerAxis::zero();
+    }
+
     #[inline(never)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let gained = self.gains.zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);

@@ -90,6 +90,11 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
         if self.gains.feed_forward { now.feed_forward().plus(feedback) } else { feedback }
     }
 
+    #[inline(always)]
+    fn restart(&mut self) {
+        self.integral = PerMotor::zero();
+    }
+
     #[inline(never)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let limit = self.gains.integral_limit;

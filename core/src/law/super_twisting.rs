@@ -82,6 +82,11 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
         now.dynamics.torque(accel)
     }
 
+    #[inline(always)]
+    fn restart(&mut self) {
+        self.integral = PerAxis::zero();
+    }
+
     #[inline(never)]
     fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
         let gained =

@@ -7,6 +7,7 @@ pub mod figures;
 pub mod firmware;
 pub mod helicopter;
 pub mod machine;
+pub mod profile;
 pub mod serial;
 pub mod station;
 mod warm_core;

@@ -45,7 +45,7 @@ impl Host {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            wish,
+            wish: wish.as_ref(),
         });
         (control, outputs)
     }
