@@ -106,7 +106,7 @@ impl ControlLoop {
             approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
             drive,
             conditions: Conditions::NONE,
-            command: Command::idle(Estimate::default(), Reference::default()),
+            command: Command::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
         }
@@ -147,7 +147,7 @@ impl ControlLoop {
             conditions: self.conditions,
             angle: command.estimate.state.angle,
             rate: command.estimate.state.rate,
-            reference: command.reference.angle,
+            reference: command.reference,
             demand: command.allocation.demand,
             volts: self.latched,
             supply: self.supply,
@@ -256,7 +256,7 @@ impl ControlLoop {
             self.fault = self.command.allocation.fault;
             return;
         }
-        self.command = Command::idle(belief.estimate, reference);
+        self.command = Command::idle(belief.estimate, reference.angle);
         if self.supervisor.state() == State::Checking {
             let (volts, verdict) = self.check.step(measured, self.still);
             self.command.allocation.volts = volts;

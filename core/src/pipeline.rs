@@ -117,18 +117,16 @@ pub struct Pipeline<R> {
 pub struct Command<R: Real> {
     /// What was believed.
     pub estimate: Estimate<R>,
-    /// What the law followed: the setpoint, filtered where there is a filter.
-    pub reference: Reference<R>,
-    /// \[N m\] What the law asked for.
-    pub torque: PerAxis<R>,
+    /// \[rad\] Where the law wanted to be: the setpoint, filtered where there is a filter.
+    pub reference: PerAxis<R>,
     /// What the motors are to do about it.
     pub allocation: Allocation<R>,
 }
 
 impl<R: Real> Command<R> {
     /// Motors off.
-    pub fn idle(estimate: Estimate<R>, reference: Reference<R>) -> Self {
-        Self { estimate, reference, torque: PerAxis::zero(), allocation: Allocation::none() }
+    pub fn idle(estimate: Estimate<R>, reference: PerAxis<R>) -> Self {
+        Self { estimate, reference, allocation: Allocation::none() }
     }
 }
 
@@ -207,23 +205,29 @@ impl<R: Real> Pipeline<R> {
             None => *setpoint,
         };
         let now = Situation::new(&self.model, belief, reference);
-        let mut torque = self.law.torque(&now);
-        if let Some(share) = self.cancellation {
-            let found = share.zip(now.estimate.disturbance, |a, d| a * d);
-            torque = torque.minus(now.dynamics.inertia.zip(found, |i, d| i * d));
-        }
-        let mut demand = self.allocator.demand(torque);
-        if let (Some(lead), Some(rotors)) = (&self.lead, &self.rotors) {
-            demand = lead.apply(demand, rotors.volts());
-        }
+        let torque = self.law.torque(&now);
         let limit = self.allocator.limit();
-        let range = match (&self.current_limit, &self.rotors) {
-            (Some(current), Some(rotors)) => current.range(rotors.volts(), limit),
-            _ => VoltsRange::within(limit),
+        let (demand, range) = match &self.rotors {
+            None => (self.allocator.demand(torque), VoltsRange::within(limit)),
+            // What knows of the rotors, or of a disturbance, which takes an estimator that does.
+            Some(rotors) => {
+                let torque = self.cancellation.map_or(torque, |share| {
+                    let found = share.zip(now.estimate.disturbance, |a, d| a * d);
+                    torque.minus(now.dynamics.inertia.zip(found, |i, d| i * d))
+                });
+                let demand = self.allocator.demand(torque);
+                let in_effect = rotors.volts();
+                let demand = self.lead.as_ref().map_or(demand, |lead| lead.apply(demand, in_effect));
+                let range = match &self.current_limit {
+                    Some(current) => current.range(in_effect, limit),
+                    None => VoltsRange::within(limit),
+                };
+                (demand, range)
+            }
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
-        self.law.settle(&now, allocation.clipped());
-        Command { estimate: now.estimate, reference, torque, allocation }
+        self.law.settle(&now, &allocation);
+        Command { estimate: now.estimate, reference: reference.angle, allocation }
     }
 
     /// \[V\] The limits in force.

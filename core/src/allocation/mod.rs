@@ -119,6 +119,7 @@ pub struct Allocator<R> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(u8)]
 enum Method<R> {
     Clamp,
     Scale,
@@ -167,10 +168,10 @@ impl<R: Real> Allocator<R> {
     /// The volts for `demand` within `range`. `hold` is the torque that keeps the pose \[N m\].
     ///
     /// A NaN or an infinity in anything that led here ends as one in the demand (no operation on the way drops
-    /// them), and then both motors get zero: a clamp would turn it into a full voltage.
+    /// them), and in the sum of both; then both motors get zero: a clamp would turn it into a full voltage.
     #[inline(always)]
     pub fn allocate(&self, demand: PerMotor<R>, range: &VoltsRange<R>, hold: PerAxis<R>) -> Allocation<R> {
-        let sound = demand.main.is_finite() & demand.tail.is_finite();
+        let sound = (demand.main + demand.tail).is_finite();
         let volts = match &self.method {
             Method::Clamp => range.clamp(demand),
             Method::Scale => scaling::scaled(demand, self.demand(hold), range),

@@ -17,6 +17,7 @@ pub use settings::LawSettings;
 pub use state_feedback::{MotorGains, StateFeedback, StateFeedbackGains};
 pub use super_twisting::{SuperTwisting, SuperTwistingGains};
 
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::estimator::{Belief, Estimate};
 use crate::plant::{Dynamics, Effectiveness, RigidBody, State};
@@ -72,13 +73,14 @@ pub trait ControlLaw<R: Real> {
     #[inline(always)]
     fn restart(&mut self) {}
 
-    /// Ends the tick: was there a motor that could not give what was asked? A law that integrates does it here.
+    /// Ends the tick: what the motors were made to do about the torque. A law that integrates does it here.
     #[inline(always)]
-    fn settle(&mut self, _now: &Situation<'_, R>, _clipped: R::Mask) {}
+    fn settle(&mut self, _now: &Situation<'_, R>, _allocation: &Allocation<R>) {}
 }
 
-/// Any law, at work.
+/// Any law, at work. (The tag in a place of its own saves the tick from decoding it.)
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(u8)]
 pub enum Law<R> {
     /// See [`Backstepping`].
     Backstepping(Backstepping<R>),
@@ -134,13 +136,13 @@ impl<R: Real> ControlLaw<R> for Law<R> {
     }
 
     #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         match self {
-            Self::Backstepping(law) => law.settle(now, clipped),
-            Self::IntegralBackstepping(law) => law.settle(now, clipped),
-            Self::Pid(law) => law.settle(&{ *now }, clipped),
-            Self::StateFeedback(law) => law.settle(&{ *now }, clipped),
-            Self::SuperTwisting(law) => law.settle(&{ *now }, clipped),
+            Self::Backstepping(law) => law.settle(now, allocation),
+            Self::IntegralBackstepping(law) => law.settle(now, allocation),
+            Self::Pid(law) => law.settle(&{ *now }, &{ *allocation }),
+            Self::StateFeedback(law) => law.settle(&{ *now }, &{ *allocation }),
+            Self::SuperTwisting(law) => law.settle(&{ *now }, &{ *allocation }),
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::real::Real;
 use crate::validate::{Invalid, not_negative};
@@ -74,8 +75,8 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
     }
 
     #[inline(never)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained = self.gains.zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);
-        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped));
+        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, allocation.clipped()));
     }
 }

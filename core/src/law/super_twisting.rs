@@ -6,6 +6,7 @@
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::real::Real;
 use crate::validate::{Invalid, not_negative, positive};
@@ -88,9 +89,9 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
     }
 
     #[inline(never)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained =
             self.gains.zip(self.surface(now), |g, s| g.integral * self.sample_time * s / (s.abs() + g.width));
-        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, clipped));
+        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, allocation.clipped()));
     }
 }

@@ -42,7 +42,7 @@ proptest! {
             let estimate = Estimate::exact(State { angle, rate });
             // One step of 1 s with these errors makes the integral what the test wants it to be.
             let past = Reference::at_rest(angle.plus(history));
-            law.settle(&Situation::new(&body, Belief::new(&body, estimate), past), false);
+            law.settle(&Situation::new(&body, Belief::new(&body, estimate), past), &Allocation::none());
             let reference = Reference::at_rest(want);
             let now = Situation::new(&body, Belief::new(&body, estimate), reference);
             let accel = now.dynamics.accel(law.torque(&now)).to_array();
@@ -105,7 +105,7 @@ fn a_constant_disturbance_leaves_no_offset() {
             let now = Situation::new(&body, Belief::new(&body, estimate), goal);
             let torque = law.torque(&now).plus(push);
             let accel = now.dynamics.accel(torque);
-            law.settle(&now, false);
+            law.settle(&now, &Allocation::none());
             state.rate = state.rate.plus(accel.scaled(T));
             state.angle = state.angle.plus(state.rate.scaled(T));
         }

@@ -6,6 +6,7 @@ pub mod chip;
 pub mod figures;
 pub mod firmware;
 pub mod helicopter;
+pub mod in_c;
 pub mod machine;
 pub mod profile;
 pub mod serial;

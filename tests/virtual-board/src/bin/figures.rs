@@ -18,6 +18,9 @@ use virtual_board::profile::{Profile, STEPS, Source};
 use virtual_board::station::Station;
 
 fn main() {
+    for options in virtual_board::in_c::OPTIONS {
+        println!("{:?}", virtual_board::in_c::measure(options));
+    }
     let firmware = Firmware::released().unwrap();
     for (name, rig, settings) in [
         ("paper", presets::PAPER, Settings::paper(&presets::PAPER, PAPER, SAMPLE_TIME)),
