@@ -25,8 +25,6 @@ pub struct ControlLoop {
     zeroed: bool,
     checked: bool,
     pipeline: Pipeline<f32>,
-    /// The last tick's pipeline met a NaN or an infinity.
-    fault: bool,
     monitor: Monitor,
     supervisor: Supervisor,
     check: FirstPowerCheck,
@@ -98,7 +96,6 @@ impl ControlLoop {
             zeroed: false,
             checked: parameters.checked,
             pipeline: Pipeline::new(&parameters.settings, encoders.map(|e| e.angle())),
-            fault: false,
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters),
@@ -191,7 +188,7 @@ impl ControlLoop {
             applied: self.latched,
             supply: inputs.supply,
             current_limit: inputs.current_limit,
-            fault: self.fault,
+            demand: self.command.allocation.demand,
             zeroed: self.zeroed,
             armed: self.is_armed(),
             heard: inputs.heard,
@@ -216,7 +213,6 @@ impl ControlLoop {
         if !self.supervisor.step(self.conditions, request) {
             return false;
         }
-        self.fault = false;
         self.pipeline.restart(measured);
         match self.supervisor.state() {
             State::Armed => {
@@ -253,7 +249,6 @@ impl ControlLoop {
     fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
         if self.is_armed() {
             self.command = self.pipeline.decide(belief, &reference);
-            self.fault = self.command.allocation.fault;
             return;
         }
         self.command = Command::idle(belief.estimate, reference.angle);

@@ -36,21 +36,20 @@ fn none<T>() -> Option<T> {
     None
 }
 
-impl ControllerSettings<f64> {
+impl<R: Real> ControllerSettings<R> {
     /// The paper's law and nothing else; where only angles are measured, a filtered derivative of 100 rad/s.
-    pub const fn paper(gains: Gains<f64>) -> Self {
+    #[inline(always)]
+    pub fn paper(gains: Gains<R>) -> Self {
         Self {
             law: LawSettings::Backstepping(gains),
-            estimator: EstimatorSettings::laboratory(100.0),
+            estimator: EstimatorSettings::laboratory(R::from_f64(100.0)),
             filter: None,
             allocation: AllocationSettings::Clamp,
             lead: None,
             cancellation: None,
         }
     }
-}
 
-impl<R: Real> ControllerSettings<R> {
     /// Each number through `f`, in a fixed order.
     pub fn map<U: Copy>(self, mut f: impl FnMut(R) -> U) -> ControllerSettings<U> {
         ControllerSettings {

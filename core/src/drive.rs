@@ -24,13 +24,19 @@ impl<R: Real> Drive<R> {
     #[inline(always)]
     pub fn duty(&self, volts: PerMotor<R>, supply: R) -> PerMotor<Duty<R>> {
         let steps_per_volt = self.full_steps / supply;
-        let steps = volts.map(|v| v * steps_per_volt);
+        let steps = volts.map(
+            #[inline(always)]
+            |v| v * steps_per_volt,
+        );
         // One NaN or infinity makes the sum one.
         let sound = (steps.main + steps.tail).is_finite() & R::zero().lt(supply);
-        steps.map(|steps| {
-            let steps = steps.clamp(-self.full_steps, self.full_steps).round_small();
-            Duty(R::select(sound, steps, R::zero()))
-        })
+        steps.map(
+            #[inline(always)]
+            |steps| {
+                let steps = steps.clamp(-self.full_steps, self.full_steps).round_small();
+                Duty(R::select(sound, steps, R::zero()))
+            },
+        )
     }
 
     /// \[V\] What a duty gives from a supply of `supply` \[V\].

@@ -46,7 +46,6 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod lanes;
 pub mod real;
 pub mod trig;
 

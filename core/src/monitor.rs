@@ -55,8 +55,8 @@ pub struct Seen<'a> {
     pub supply: f32,
     /// The amplifier says that it limits the current.
     pub current_limit: bool,
-    /// The last tick's pipeline met a NaN or an infinity.
-    pub fault: bool,
+    /// \[V\] What the last tick's pipeline asked for.
+    pub demand: PerMotor<f32>,
     /// The encoders have a zero.
     pub zeroed: bool,
     /// The law turns the motors.
@@ -137,8 +137,10 @@ impl Monitor {
         let outside = !(seen.supply >= b.supply_low && seen.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
         let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;
-        // One NaN or infinity makes the sum one; rates and angles of this world do not overflow it.
-        let sum = (state.angle.pitch + state.angle.yaw) + (state.rate.pitch + state.rate.yaw);
+        // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
+        let sum = (state.angle.pitch + state.angle.yaw)
+            + (state.rate.pitch + state.rate.yaw)
+            + (seen.demand.main + seen.demand.tail);
         self.until_motion = self.until_motion.wrapping_sub(1);
         if self.until_motion == 0 {
             self.until_motion = MOTION_EVERY;
@@ -153,7 +155,7 @@ impl Monitor {
             .with(Condition::YawMotion, seen.armed && self.disagrees.yaw)
             .with(Condition::AngleEnvelope, steep)
             .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
-            .with(Condition::NonFinite, seen.fault || !sum.is_finite())
+            .with(Condition::NonFinite, !sum.is_finite())
             .with(Condition::SupplyRange, self.supply.over(outside, SUPPLY_TICKS))
             .with(Condition::CurrentLimit, self.current.over(seen.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)

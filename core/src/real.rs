@@ -21,6 +21,8 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
     fn any(self) -> bool;
     /// Is it true in every lane?
     fn all(self) -> bool;
+    /// Is it true in lane `index`, which is below [`Real::LANES`]? A plain truth value has but one lane, whatever the index.
+    fn lane(self, index: usize) -> bool;
 }
 
 /// A real number, or a group of independent ones that are computed side by side.
@@ -49,7 +51,9 @@ pub trait Real:
     fn from_i32(value: i32) -> Self;
     /// The same number in every lane.
     fn splat(value: Self::Scalar) -> Self;
-    /// The number in lane `index`, which is below [`Real::LANES`]; an index beyond wraps around.
+    /// Lane k holds what `f` gives for k.
+    fn from_fn(f: impl FnMut(usize) -> Self::Scalar) -> Self;
+    /// The number in lane `index`, which is below [`Real::LANES`]. A plain number has but one lane, whatever the index.
     fn lane(self, index: usize) -> Self::Scalar;
 
     /// Magnitude.
@@ -126,6 +130,10 @@ impl Mask for bool {
     fn all(self) -> bool {
         self
     }
+    #[inline(always)]
+    fn lane(self, _index: usize) -> bool {
+        self
+    }
 }
 
 macro_rules! scalar {
@@ -146,6 +154,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn splat(value: Self) -> Self {
                 value
+            }
+            #[inline(always)]
+            fn from_fn(mut f: impl FnMut(usize) -> Self) -> Self {
+                f(0)
             }
             #[inline(always)]
             fn lane(self, _index: usize) -> Self {

@@ -120,7 +120,10 @@ impl<R: Real> Encoders<R> {
     #[inline(always)]
     fn counts(&self, angle: PerAxis<R>) -> PerAxis<R> {
         let exact = angle.zip(self.counts_per_angle, |a, c| a * c);
-        exact.plus(self.phase).map(Real::round)
+        exact.plus(self.phase).map(
+            #[inline(always)]
+            |c| c.round(),
+        )
     }
 }
 

@@ -26,6 +26,17 @@ pub struct Integral<R> {
     sum: PerAxis<Compensated<R>>,
 }
 
+impl Criterion {
+    /// What is summed up of an error.
+    #[inline(always)]
+    fn integrand<R: Real>(self, weight: R, error: R) -> R {
+        match self {
+            Self::Ise => weight * (error * error),
+            Self::Iae | Self::Itae => weight * error.abs(),
+        }
+    }
+}
+
 impl<R: Real> Integral<R> {
     /// Nothing yet.
     pub fn new(criterion: Criterion) -> Self {
@@ -41,12 +52,8 @@ impl<R: Real> Integral<R> {
             Criterion::Ise | Criterion::Iae => weight,
         };
         let weight = R::from_f64(weight);
-        let term = |e: R| match self.criterion {
-            Criterion::Ise => weight * (e * e),
-            Criterion::Iae | Criterion::Itae => weight * e.abs(),
-        };
-        self.sum.pitch.add(term(error.pitch));
-        self.sum.yaw.add(term(error.yaw));
+        self.sum.pitch.add(self.criterion.integrand(weight, error.pitch));
+        self.sum.yaw.add(self.criterion.integrand(weight, error.yaw));
     }
 
     /// The integral so far on each axis, in the lane, for ticks of `sample_time` \[s\].

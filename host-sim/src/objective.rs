@@ -3,15 +3,16 @@
 use crate::closed_loop::{ClosedLoop, Hardware, IdealLoop, RigLoop};
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
-use crate::lanes::{Group, LANES, gather};
+use crate::lanes::{Kernel, LANES, gather, in_lanes};
 use crate::metrics::{Criterion, Integral};
 use crate::optimise::Candidate;
 use crate::scenario::{SAMPLE_TIME, Scenario};
-use multiversion::multiversion;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::controller::ControllerSettings;
 use twinrotor::gains::Gains;
+use twinrotor::law::LawSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{RealPlant, State};
@@ -93,61 +94,71 @@ impl Objective {
             .map(|c| Self::controller(&c.position).settings(&self.rig).map(f32::from_f64))
             .collect();
         let bounds: Vec<f64> = candidates.iter().map(|c| c.bound).collect();
-        let (costs, ticks) = self.fly(&gather(&settings), &bounds);
+        let (costs, ticks) = in_lanes(Flights { objective: self, settings: &settings, bounds: &bounds });
         let lanes = candidates.len() as u64;
         self.simulated.fetch_add(ticks as u64 * lanes, Ordering::Relaxed);
         self.skipped.fetch_add((self.references.len() - ticks) as u64 * lanes, Ordering::Relaxed);
         costs
     }
+}
 
-    fn fly(&self, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
-        match self.fidelity {
-            Fidelity::Ideal => fly_ideal(self, settings, bounds),
-            Fidelity::Rig => fly_rig(self, settings, bounds),
+/// Up to [`LANES`] candidates, each with the cost that it must get below.
+#[derive(Debug, Clone, Copy)]
+struct Flights<'a> {
+    objective: &'a Objective,
+    settings: &'a [Settings<f32>],
+    bounds: &'a [f64],
+}
+
+impl Kernel for Flights<'_> {
+    /// The costs, and the ticks that were flown.
+    type Output = (Vec<f64>, usize);
+    #[inline(always)]
+    fn run<R: Real<Scalar = f32>>(self) -> (Vec<f64>, usize) {
+        let settings = gather::<R>(self.settings);
+        let rig = &self.objective.rig;
+        let start = State::at_rest(PerAxis::zero());
+        match self.objective.fidelity {
+            Fidelity::Ideal => self.integrate(IdealLoop::new(rig, &papers(settings), start, SAMPLE_TIME)),
+            Fidelity::Rig => {
+                let plant = RealPlant::new(&rig.plant, start, SAMPLE_TIME);
+                self.integrate(RigLoop::new(plant, &Hardware::of(rig, PerAxis::both(0.5)), &settings))
+            }
         }
     }
 }
 
-#[multiversion(targets("x86_64+avx2"))]
-fn fly_ideal(objective: &Objective, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
-    let start = State::at_rest(PerAxis::zero());
-    let closed_loop = IdealLoop::new(&objective.rig, settings, start, SAMPLE_TIME);
-    integrate(objective, closed_loop, bounds)
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn fly_rig(objective: &Objective, settings: &Settings<Group>, bounds: &[f64]) -> (Vec<f64>, usize) {
-    let start = State::at_rest(PerAxis::zero());
-    let plant = RealPlant::new(&objective.rig.plant, start, SAMPLE_TIME);
-    let hardware = Hardware::of(&objective.rig, PerAxis::both(0.5));
-    integrate(objective, RigLoop::new(plant, &hardware, settings), bounds)
-}
-
-/// Flies to the end, or until every lane has lost. Inlined into its callers, which are compiled for several instruction sets.
+/// The same with nothing but the paper's law, as far as the compiler knows: it leaves out what else there could be.
 #[inline(always)]
-fn integrate(
-    objective: &Objective,
-    mut closed_loop: impl ClosedLoop<Group>,
-    bounds: &[f64],
-) -> (Vec<f64>, usize) {
-    let last = u32::try_from(objective.references.len() - 1).expect("an hour of ticks at most");
-    let mut integral = Integral::<Group>::new(objective.criterion);
-    let cost = |integral: &Integral<Group>, lane| {
-        let PerAxis { pitch, yaw } = integral.value(lane, SAMPLE_TIME);
-        pitch + yaw
+fn papers<R: Real>(settings: Settings<R>) -> Settings<R> {
+    let LawSettings::Backstepping(gains) = settings.controller.law else {
+        unreachable!("candidates are gains of the paper's law")
     };
-    for (tick, (reference, disturbance)) in
-        (0..).zip(objective.references.iter().zip(&objective.disturbances))
-    {
-        let happened = closed_loop.tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
-        integral.add(tick, last, happened.error());
-        if tick % LOOK_EVERY == LOOK_EVERY - 1
-            && bounds.iter().enumerate().all(|(lane, bound)| cost(&integral, lane) > bound * SURELY)
-        {
-            return (vec![f64::INFINITY; bounds.len()], tick as usize + 1);
+    Settings { controller: ControllerSettings::paper(gains), ..settings }
+}
+
+impl Flights<'_> {
+    /// Flies to the end, or until every candidate has lost.
+    #[inline(always)]
+    fn integrate<R: Real<Scalar = f32>>(&self, mut closed_loop: impl ClosedLoop<R>) -> (Vec<f64>, usize) {
+        let Self { objective: Objective { references, disturbances, criterion, .. }, bounds, .. } = *self;
+        let last = u32::try_from(references.len() - 1).expect("an hour of ticks at most");
+        let mut integral = Integral::<R>::new(*criterion);
+        let cost = |integral: &Integral<R>, lane| {
+            let PerAxis { pitch, yaw } = integral.value(lane, SAMPLE_TIME);
+            pitch + yaw
+        };
+        for (tick, (reference, disturbance)) in (0..).zip(references.iter().zip(disturbances)) {
+            let happened = closed_loop.tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
+            integral.add(tick, last, happened.error());
+            if tick % LOOK_EVERY == LOOK_EVERY - 1
+                && bounds.iter().enumerate().all(|(lane, bound)| cost(&integral, lane) > bound * SURELY)
+            {
+                return (vec![f64::INFINITY; bounds.len()], tick as usize + 1);
+            }
         }
+        let costs = (0..bounds.len()).map(|lane| cost(&integral, lane));
+        let finite = costs.map(|c| if c.is_nan() { f64::INFINITY } else { c });
+        (finite.collect(), references.len())
     }
-    let costs = (0..bounds.len()).map(|lane| cost(&integral, lane));
-    let finite = costs.map(|c| if c.is_nan() { f64::INFINITY } else { c });
-    (finite.collect(), objective.references.len())
 }

@@ -3,12 +3,13 @@
 use host_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
 use host_sim::flight::Fidelity;
 use host_sim::gains_file::GainsFile;
-use host_sim::lanes::{Group, LANES, gather};
+use host_sim::lanes::{Kernel, LANES, gather, in_lanes};
 use host_sim::metrics::Criterion;
 use host_sim::objective::Objective;
 use host_sim::optimise::Candidate;
 use host_sim::scenario::{SAMPLE_TIME, Scenario};
 use proptest::prelude::*;
+use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::gains::Gains;
 use twinrotor::pipeline::Settings;
@@ -45,27 +46,50 @@ fn bits<R: Real<Scalar = f32>>(tick: &Tick<R>, lane: usize) -> [u32; 8] {
     .map(|x| x.lane(lane).to_bits())
 }
 
-/// Flies both and compares every tick, lane k of the group against the k-th single loop as long as that one is `flying`: the board
-/// cuts the motors of a flight that leaves its envelope, which lanes leave to whoever judges them.
-fn compare<L: ClosedLoop<f32>>(
-    scenario: &Scenario,
-    ticks: usize,
-    mut singles: Vec<L>,
-    flying: impl Fn(&L) -> bool,
-    mut group: impl ClosedLoop<Group>,
-) -> Result<(), TestCaseError> {
-    let references = scenario.references::<f32>();
-    let disturbances = scenario.disturbances::<f32>(3);
-    for (reference, disturbance) in references.iter().zip(&disturbances).take(ticks) {
-        let together = group.tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
-        for (lane, single) in singles.iter_mut().enumerate() {
-            let alone = single.tick(reference, *disturbance);
-            if flying(single) {
-                prop_assert_eq!(bits(&together, lane), bits(&alone, 0));
+/// Flies the loop that `group` makes of all settings, side by side, and the same loops one by one, and compares every tick: lane k
+/// against the k-th single loop as long as that one is `flying`. The board cuts the motors of a flight that leaves its envelope, which
+/// lanes leave to whoever judges them.
+struct Compared<'a, L> {
+    rig: &'a Rig,
+    hardware: Option<&'a Hardware>,
+    settings: &'a [Settings<f32>],
+    scenario: &'a Scenario,
+    singles: Vec<L>,
+    flying: fn(&L) -> bool,
+}
+
+impl<L: ClosedLoop<f32>> Kernel for Compared<'_, L> {
+    type Output = Result<(), TestCaseError>;
+    #[inline(always)]
+    fn run<R: Real<Scalar = f32>>(self) -> Self::Output {
+        let start = State::at_rest(PerAxis::zero());
+        let (rig, settings) = (self.rig, gather::<R>(self.settings));
+        match self.hardware {
+            None => self.compare(IdealLoop::new(rig, &settings, start, SAMPLE_TIME)),
+            Some(hardware) => {
+                let plant = RealPlant::new(&rig.plant, start, SAMPLE_TIME);
+                self.compare(RigLoop::new(plant, hardware, &settings))
             }
         }
     }
-    Ok(())
+}
+
+impl<L: ClosedLoop<f32>> Compared<'_, L> {
+    fn compare<R: Real<Scalar = f32>>(mut self, mut group: impl ClosedLoop<R>) -> Result<(), TestCaseError> {
+        let references = self.scenario.references::<f32>();
+        let disturbances = self.scenario.disturbances::<f32>(3);
+        for (reference, disturbance) in references.iter().zip(&disturbances).take(1_000) {
+            let together =
+                black_box(&mut group).tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
+            for (lane, single) in self.singles.iter_mut().enumerate() {
+                let alone = single.tick(reference, *disturbance);
+                if (self.flying)(single) {
+                    prop_assert_eq!(bits(&together, lane), bits(&alone, 0));
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 proptest! {
@@ -79,8 +103,9 @@ proptest! {
         let settings: Vec<Settings<f32>> =
             gains.iter().map(|g| g.settings(&rig).map(f32::from_f64)).collect();
         let single = |s: &Settings<f32>| IdealLoop::new(&rig, s, State::default(), SAMPLE_TIME);
-        let group = IdealLoop::new(&rig, &gather(&settings), State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-        compare(&scenario, 1_000, settings.iter().map(single).collect(), |_| true, group)?;
+        let singles = settings.iter().map(single).collect();
+        let rig = &rig;
+        in_lanes(Compared { rig, hardware: None, settings: &settings, scenario: &scenario, singles, flying: |_| true })?;
     }
 
     /// In the rig's world, every lane is what the board's control loop does.
@@ -95,9 +120,9 @@ proptest! {
         let single = |s: &Settings<f32>| {
             BoardLoop::new(RealPlant::new(&rig.plant, State::default(), SAMPLE_TIME), &hardware, s)
         };
-        let plant = RealPlant::new(&rig.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-        let group = RigLoop::new(plant, &hardware, &gather(&settings));
-        compare(&scenario, 1_000, settings.iter().map(single).collect(), BoardLoop::is_armed, group)?;
+        let singles = settings.iter().map(single).collect();
+        let (rig, hardware) = (&rig, Some(&hardware));
+        in_lanes(Compared { rig, hardware, settings: &settings, scenario: &scenario, singles, flying: BoardLoop::is_armed })?;
     }
 
     /// The pipeline over 10,000 ticks is the control loop.

@@ -110,16 +110,27 @@ impl<R: Real> CurrentLimit<R> {
     pub fn range(&self, in_effect: PerMotor<R>, limit: PerMotor<R>) -> VoltsRange<R> {
         let s = &self.settings;
         let center = in_effect.scaled(s.back_emf);
-        let room = self.heat.map(|heat| {
-            let spare = R::one() - heat * self.per_continuous_square;
-            let whole = spare * R::from_f64(1.0 / (1.0 - FOLD_BACK_FROM));
-            let most = s.continuous + (s.peak - s.continuous) * whole.clamp(R::zero(), R::one());
-            s.resistance * most
-        });
+        let room = self.heat.map(
+            #[inline(always)]
+            |heat| {
+                let spare = R::one() - heat * self.per_continuous_square;
+                let whole = spare * R::from_f64(1.0 / (1.0 - FOLD_BACK_FROM));
+                let most = s.continuous + (s.peak - s.continuous) * whole.clamp(R::zero(), R::one());
+                s.resistance * most
+            },
+        );
         // What is in effect is within the limit, and there is always some room: each bound needs looking at from one side.
         VoltsRange {
-            low: center.minus(room).zip(limit, |low, limit| low.max(-limit)),
-            high: center.plus(room).zip(limit, |high, limit| high.min(limit)),
+            low: center.minus(room).zip(
+                limit,
+                #[inline(always)]
+                |low, limit| low.max(-limit),
+            ),
+            high: center.plus(room).zip(
+                limit,
+                #[inline(always)]
+                |high, limit| high.min(limit),
+            ),
         }
     }
 }

@@ -8,7 +8,7 @@ pub use current_limit::{CurrentLimit, CurrentLimitSettings};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 use weighted::Weighted;
@@ -84,14 +84,18 @@ pub struct Allocation<R: Real> {
     pub volts: PerMotor<R>,
     /// \[V\] What the torque asked for would have taken. Not finite on a fault.
     pub demand: PerMotor<R>,
-    /// Something that went into this tick was NaN or infinite: no volts.
-    pub fault: R::Mask,
 }
 
 impl<R: Real> Allocation<R> {
     /// Nothing asked for, nothing given.
     pub fn none() -> Self {
-        Self { volts: PerMotor::zero(), demand: PerMotor::zero(), fault: R::Mask::splat(false) }
+        Self { volts: PerMotor::zero(), demand: PerMotor::zero() }
+    }
+
+    /// Was something that went into this tick NaN or infinite? Then there are no volts.
+    #[inline(always)]
+    pub fn fault(&self) -> R::Mask {
+        !finite(self.demand)
     }
 
     /// Was more asked of a motor than its limit allows?
@@ -108,6 +112,12 @@ impl<R: Real> Allocation<R> {
     }
 }
 
+/// Are both? One NaN or infinity makes the sum one.
+#[inline(always)]
+fn finite<R: Real>(volts: PerMotor<R>) -> R::Mask {
+    (volts.main + volts.tail).is_finite()
+}
+
 /// V = K⁻¹ U by the determinant, which is eqs (28)-(29) without their divisions by k_pp and k_yy, and hard limits on the
 /// motors' volts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,9 +131,9 @@ pub struct Allocator<R> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(u8)]
 enum Method<R> {
-    Clamp,
     Scale,
     Weighted(Weighted<R>),
+    Clamp,
 }
 
 impl<R: Real> Allocator<R> {
@@ -171,13 +181,17 @@ impl<R: Real> Allocator<R> {
     /// them), and in the sum of both; then both motors get zero: a clamp would turn it into a full voltage.
     #[inline(always)]
     pub fn allocate(&self, demand: PerMotor<R>, range: &VoltsRange<R>, hold: PerAxis<R>) -> Allocation<R> {
-        let sound = (demand.main + demand.tail).is_finite();
+        let sound = finite(demand);
         let volts = match &self.method {
             Method::Clamp => range.clamp(demand),
             Method::Scale => scaling::scaled(demand, self.demand(hold), range),
             Method::Weighted(weighted) => weighted.solve(demand, range),
         };
-        Allocation { volts: volts.map(|v| R::select(sound, v, R::zero())), demand, fault: !sound }
+        let volts = volts.map(
+            #[inline(always)]
+            |v| R::select(sound, v, R::zero()),
+        );
+        Allocation { volts, demand }
     }
 
     /// \[N m\] What of the torque asked for the volts of `allocation` do not give; zero on a fault, where nothing sensible was
@@ -185,7 +199,7 @@ impl<R: Real> Allocator<R> {
     #[inline(always)]
     pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
         let missing = self.effectiveness.torque(allocation.demand.minus(allocation.volts));
-        missing.map(|t| R::select(allocation.fault, R::zero(), t))
+        missing.map(|t| R::select(allocation.fault(), R::zero(), t))
     }
 }
 
@@ -245,7 +259,7 @@ mod tests {
             let demands = [PerMotor::new(bad, 1.0), PerMotor::new(1.0, bad)];
             for (demand, method) in demands.into_iter().flat_map(|d| METHODS.map(|m| (d, m))) {
                 let got = allocator(&presets::PAPER, &method).allocate(demand, &range, PerAxis::zero());
-                assert!(got.fault);
+                assert!(got.fault());
                 assert_eq!(got.volts, PerMotor::zero());
                 let allocator = allocator(&presets::PAPER, &method);
                 assert_eq!(allocator.unallocated_torque(&got), PerAxis::zero());

@@ -10,16 +10,19 @@ use crate::real::Real;
 pub(super) fn scaled<R: Real>(demand: PerMotor<R>, hold: PerMotor<R>, range: &VoltsRange<R>) -> PerMotor<R> {
     let hold = range.clamp(hold);
     let beyond = demand.minus(hold);
-    let share = |beyond: R, hold: R, low: R, high: R| {
-        let room = R::select(beyond.lt(R::zero()), low - hold, high - hold);
-        // At most as much as asked for: then room/beyond is at least 1 or not a number, and 1 is taken.
-        let enough = beyond.abs().le(room.abs());
-        R::select(enough, R::one(), room / beyond)
-    };
     let main = share(beyond.main, hold.main, range.low.main, range.high.main);
     let tail = share(beyond.tail, hold.tail, range.low.tail, range.high.tail);
     // Clamped once more for the last bit of rounding.
     range.clamp(hold.plus(beyond.scaled(main.min(tail))))
+}
+
+/// How much of `beyond` there is room for, 0 to 1.
+#[inline(always)]
+fn share<R: Real>(beyond: R, hold: R, low: R, high: R) -> R {
+    let room = R::select(beyond.lt(R::zero()), low - hold, high - hold);
+    // At most as much as asked for: then room/beyond is at least 1 or not a number, and 1 is taken.
+    let enough = beyond.abs().le(room.abs());
+    R::select(enough, R::one(), room / beyond)
 }
 
 #[cfg(test)]

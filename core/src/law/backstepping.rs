@@ -54,27 +54,29 @@ impl<R: Real> Backstepping<R> {
     }
 }
 
+/// \[rad/s²\] ẍ_d + μ_a ξ̇_a + ξ_a + μ_b ξ_b, the bracket of eqs (26)-(27).
+#[inline(always)]
+fn accel<R: Real>(accel: R, g: &AxisGains<R>, angle_error: R, its_rate: R, rate_error: R) -> R {
+    accel + g.position * its_rate + angle_error + g.rate * rate_error
+}
+
 impl<R: Real> ControlLaw<R> for Backstepping<R> {
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let reference = &now.reference;
         let errors = self.errors(&now.estimate, reference);
         let rate_of_angle_error = now.rate_error();
-        // ẍ_d + μ_a ξ̇_a + ξ_a + μ_b ξ_b, the bracket of eqs (26)-(27).
-        let accel = |accel: R, g: AxisGains<R>, angle_error: R, its_rate: R, rate_error: R| {
-            accel + g.position * its_rate + angle_error + g.rate * rate_error
-        };
         now.dynamics.torque(PerAxis {
             pitch: accel(
                 reference.accel.pitch,
-                self.gains.pitch,
+                &self.gains.pitch,
                 errors.angle.pitch,
                 rate_of_angle_error.pitch,
                 errors.rate.pitch,
             ),
             yaw: accel(
                 reference.accel.yaw,
-                self.gains.yaw,
+                &self.gains.yaw,
                 errors.angle.yaw,
                 rate_of_angle_error.yaw,
                 errors.rate.yaw,

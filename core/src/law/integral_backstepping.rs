@@ -71,18 +71,21 @@ impl<R: Real> IntegralBackstepping<R> {
     }
 }
 
+/// \[rad/s²\] What one axis' error, its rate and its integral ask for.
+#[inline(always)]
+fn accel<R: Real>(g: &IntegralGains<R>, error: R, slope: R, integral: R) -> R {
+    let rate_error = slope + g.position * error + g.integral * integral;
+    g.position * slope + (g.weight + g.integral) * error + g.rate * rate_error
+}
+
 impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let (error, slope) = (now.angle_error(), now.rate_error());
-        let accel = |g: IntegralGains<R>, error: R, slope: R, integral: R| {
-            let rate_error = slope + g.position * error + g.integral * integral;
-            g.position * slope + (g.weight + g.integral) * error + g.rate * rate_error
-        };
         let PerAxis { pitch, yaw } = self.gains;
         let feedback = PerAxis {
-            pitch: accel(pitch, error.pitch, slope.pitch, self.integral.pitch),
-            yaw: accel(yaw, error.yaw, slope.yaw, self.integral.yaw),
+            pitch: accel(&pitch, error.pitch, slope.pitch, self.integral.pitch),
+            yaw: accel(&yaw, error.yaw, slope.yaw, self.integral.yaw),
         };
         now.dynamics.torque(now.reference.accel.plus(feedback))
     }
@@ -95,6 +98,10 @@ impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained = now.angle_error().scaled(self.sample_time);
-        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, allocation.clipped()));
+        self.integral = self.integral.zip(
+            gained,
+            #[inline(always)]
+            |z, e| integrated(z, e, allocation.clipped()),
+        );
     }
 }

@@ -112,15 +112,14 @@ impl<R: Real> Law<R> {
 }
 
 impl<R: Real> ControlLaw<R> for Law<R> {
-    // The laws that are calls get a copy: the situation itself then stays in registers for the others.
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         match self {
             Self::Backstepping(law) => law.torque(now),
             Self::IntegralBackstepping(law) => law.torque(now),
-            Self::Pid(law) => law.torque(&{ *now }),
-            Self::StateFeedback(law) => law.torque(&{ *now }),
-            Self::SuperTwisting(law) => law.torque(&{ *now }),
+            Self::Pid(law) => law.torque(now),
+            Self::StateFeedback(law) => law.torque(now),
+            Self::SuperTwisting(law) => law.torque(now),
         }
     }
 
@@ -140,9 +139,9 @@ impl<R: Real> ControlLaw<R> for Law<R> {
         match self {
             Self::Backstepping(law) => law.settle(now, allocation),
             Self::IntegralBackstepping(law) => law.settle(now, allocation),
-            Self::Pid(law) => law.settle(&{ *now }, &{ *allocation }),
-            Self::StateFeedback(law) => law.settle(&{ *now }, &{ *allocation }),
-            Self::SuperTwisting(law) => law.settle(&{ *now }, &{ *allocation }),
+            Self::Pid(law) => law.settle(now, allocation),
+            Self::StateFeedback(law) => law.settle(now, allocation),
+            Self::SuperTwisting(law) => law.settle(now, allocation),
         }
     }
 }

@@ -59,8 +59,7 @@ impl<R: Real> Pid<R> {
 }
 
 impl<R: Real> ControlLaw<R> for Pid<R> {
-    // A call, not inlined: it is no board's default, and in lanes every inlined law costs each build of the tuner seconds.
-    #[inline(never)]
+    #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let proportional = self.gains.zip(now.angle_error(), |g, e| g.proportional * e);
         let derivative = self.gains.zip(now.rate_error(), |g, e| g.derivative * e);
@@ -74,9 +73,13 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
         self.integral = PerAxis::zero();
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained = self.gains.zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);
-        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, allocation.clipped()));
+        self.integral = self.integral.zip(
+            gained,
+            #[inline(always)]
+            |z, e| integrated(z, e, allocation.clipped()),
+        );
     }
 }

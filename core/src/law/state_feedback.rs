@@ -70,7 +70,10 @@ pub struct StateFeedback<R> {
 
 #[inline(always)]
 fn product<R: Real>(matrix: &MotorGains<R>, error: PerAxis<R>) -> PerMotor<R> {
-    matrix.map(|row| row.pitch * error.pitch + row.yaw * error.yaw)
+    matrix.map(
+        #[inline(always)]
+        |row| row.pitch * error.pitch + row.yaw * error.yaw,
+    )
 }
 
 impl<R: Real> StateFeedback<R> {
@@ -81,8 +84,7 @@ impl<R: Real> StateFeedback<R> {
 }
 
 impl<R: Real> ControlLaw<R> for StateFeedback<R> {
-    // A call, not inlined: it is no board's default, and in lanes every inlined law costs each build of the tuner seconds.
-    #[inline(never)]
+    #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let volts = product(&self.gains.angle, now.angle_error())
             .plus(product(&self.gains.rate, now.rate_error()))
@@ -96,11 +98,14 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
         self.integral = PerMotor::zero();
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let limit = self.gains.integral_limit;
         let gained = product(&self.gains.integral, now.angle_error().scaled(self.sample_time));
-        self.integral =
-            self.integral.zip(gained, |z, e| integrated(z, e, allocation.clipped()).clamp(-limit, limit));
+        self.integral = self.integral.zip(
+            gained,
+            #[inline(always)]
+            |z, e| integrated(z, e, allocation.clipped()).clamp(-limit, limit),
+        );
     }
 }

@@ -73,11 +73,13 @@ impl<R: Real> SuperTwisting<R> {
 }
 
 impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
-    // A call, not inlined: it is no board's default, and in lanes every inlined law costs each build of the tuner seconds.
-    #[inline(never)]
+    #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
-        let reaching =
-            self.gains.zip(self.surface(now), |g, s| g.proportional * s / (s.abs() + g.width).sqrt());
+        let reaching = self.gains.zip(
+            self.surface(now),
+            #[inline(always)]
+            |g, s| g.proportional * s / (s.abs() + g.width).sqrt(),
+        );
         let along = self.gains.zip(now.rate_error(), |g, e| g.surface * e);
         let accel = now.reference.accel.plus(along).plus(reaching).plus(self.integral);
         now.dynamics.torque(accel)
@@ -88,10 +90,17 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
         self.integral = PerAxis::zero();
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
-        let gained =
-            self.gains.zip(self.surface(now), |g, s| g.integral * self.sample_time * s / (s.abs() + g.width));
-        self.integral = self.integral.zip(gained, |z, e| integrated(z, e, allocation.clipped()));
+        let gained = self.gains.zip(
+            self.surface(now),
+            #[inline(always)]
+            |g, s| g.integral * self.sample_time * s / (s.abs() + g.width),
+        );
+        self.integral = self.integral.zip(
+            gained,
+            #[inline(always)]
+            |z, e| integrated(z, e, allocation.clipped()),
+        );
     }
 }

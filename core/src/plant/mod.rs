@@ -106,7 +106,11 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
     #[inline(always)]
     fn friction(&self, rate: PerAxis<R>) -> PerAxis<R> {
         let width = R::from_f64(FRICTION_WIDTH);
-        self.coulomb_friction.zip(rate, |f, w| f * w / (w * w + width * width).sqrt())
+        self.coulomb_friction.zip(
+            rate,
+            #[inline(always)]
+            |f, w| f * w / (w * w + width * width).sqrt(),
+        )
     }
 }
 

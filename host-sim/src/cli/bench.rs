@@ -6,7 +6,7 @@ use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop};
 use crate::error::Outcome;
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, instruction_set};
 use crate::metrics::{Criterion, Integral};
 use crate::objective::Objective;
 use crate::optimise::Candidate;
@@ -141,14 +141,4 @@ fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let model = if model.is_empty() { "unknown processor" } else { model };
     format!("{model}, {cores} cores, {}, {}", std::env::consts::ARCH, instruction_set())
-}
-
-#[cfg(target_arch = "x86_64")]
-fn instruction_set() -> &'static str {
-    if is_x86_feature_detected!("avx2") { "AVX2" } else { "SSE2" }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn instruction_set() -> &'static str {
-    "the target's own vectors"
 }

@@ -52,7 +52,7 @@ fn lab(law: LawSettings<f64>) -> ControllerSettings<f64> {
     ControllerSettings { law, ..paper_settings() }
 }
 
-const fn paper_settings() -> ControllerSettings<f64> {
+fn paper_settings() -> ControllerSettings<f64> {
     ControllerSettings::paper(gains::PAPER)
 }
 

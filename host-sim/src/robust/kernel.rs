@@ -1,16 +1,14 @@
-//! Sixteen plants of one controller, flown side by side and scored.
+//! Many plants of one controller, flown side by side and scored.
 
 use super::cost::Score;
 use super::plants::Draw;
 use crate::closed_loop::{ClosedLoop, Hardware, RigLoop};
-use crate::lanes::{Group, LANES, gather_plants, gather_rotors};
+use crate::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
 use crate::scenario::SAMPLE_TIME;
-use multiversion::multiversion;
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::lanes::LaneMask;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::{Envelope, Rig};
+use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
@@ -24,17 +22,17 @@ const HOLD: u32 = 1000;
 
 /// The sums of a flight in every lane.
 #[derive(Debug, Clone, Copy)]
-struct Sums {
-    last_outside_2: PerAxis<Group>,
-    overshoot: PerAxis<Group>,
-    hold_squares: PerAxis<Group>,
-    disturbed_squares: PerAxis<Group>,
-    variation: Group,
-    saturated: Group,
-    outside_5: LaneMask<LANES>,
-    left_envelope: LaneMask<LANES>,
-    diverged: LaneMask<LANES>,
-    volts: PerMotor<Group>,
+struct Sums<R: Real> {
+    last_outside_2: PerAxis<R>,
+    overshoot: PerAxis<R>,
+    hold_squares: PerAxis<R>,
+    disturbed_squares: PerAxis<R>,
+    variation: R,
+    saturated: R,
+    outside_5: R::Mask,
+    left_envelope: R::Mask,
+    diverged: R::Mask,
+    volts: PerMotor<R>,
 }
 
 /// When what is judged, in ticks.
@@ -46,63 +44,75 @@ pub(super) struct Schedule {
     pub end: u32,
 }
 
-/// The scores of up to [`LANES`] plants.
+/// The scores of up to [`LANES`](crate::lanes::LANES) plants.
 pub(super) fn scores(rig: &Rig, settings: &Settings<f32>, plants: &[Draw], when: Schedule) -> Vec<Score> {
-    let closed_loop = side_by_side(rig, settings, plants);
-    let disturbance = each_motor(plants, |d| d.disturbance);
-    let limit = settings.volts_limit.map(Group::splat);
-    let sums = fly(closed_loop, disturbance, &rig.envelope, limit, when);
-    (0..plants.len()).map(|k| score(&sums, k, when)).collect()
+    in_lanes(Flights { rig, settings, plants, when })
 }
 
-/// One controller on up to [`LANES`] plants; the last one fills what lanes are left.
-fn side_by_side(rig: &Rig, settings: &Settings<f32>, plants: &[Draw]) -> RigLoop<Group> {
-    let constants: Vec<_> = plants.iter().map(|d| d.plant.map(f32::from_f64)).collect();
-    let rotors: Vec<_> = plants.iter().map(|d| LaggedRotors::<f32>::new(&d.plant, SAMPLE_TIME)).collect();
-    let plant = RealPlant::assemble(
-        gather_plants(&constants),
-        gather_rotors(&rotors),
-        State::at_rest(PerAxis::zero()),
-        SAMPLE_TIME,
-    );
-    let phase = PerAxis {
-        pitch: each(plants, |d| d.encoder_phase.pitch),
-        yaw: each(plants, |d| d.encoder_phase.yaw),
-    };
-    let hardware = Hardware::of(rig, PerAxis::both(0.5));
-    RigLoop::assemble(plant, &hardware, phase, &settings.map(Group::splat))
+/// One controller on up to [`LANES`](crate::lanes::LANES) plants; the last one fills what lanes are left.
+#[derive(Debug, Clone, Copy)]
+struct Flights<'a> {
+    rig: &'a Rig,
+    settings: &'a Settings<f32>,
+    plants: &'a [Draw],
+    when: Schedule,
 }
 
-fn each(plants: &[Draw], of: impl Fn(&Draw) -> f64) -> Group {
-    Group::from_fn(|lane| f32::from_f64(of(&plants[lane.min(plants.len() - 1)])))
+impl Kernel for Flights<'_> {
+    type Output = Vec<Score>;
+    #[inline(always)]
+    fn run<R: Real<Scalar = f32>>(self) -> Vec<Score> {
+        let sums = fly::<R>(&self);
+        (0..self.plants.len()).map(|k| score(&sums, k, self.when)).collect()
+    }
 }
 
-fn each_motor(plants: &[Draw], of: impl Fn(&Draw) -> PerMotor<f64>) -> PerMotor<Group> {
-    PerMotor { main: each(plants, |d| of(d).main), tail: each(plants, |d| of(d).tail) }
+impl Flights<'_> {
+    fn closed_loop<R: Real<Scalar = f32>>(&self) -> RigLoop<R> {
+        let constants: Vec<_> = self.plants.iter().map(|d| d.plant.map(f32::from_f64)).collect();
+        let rotors: Vec<_> =
+            self.plants.iter().map(|d| LaggedRotors::<f32>::new(&d.plant, SAMPLE_TIME)).collect();
+        let plant = RealPlant::assemble(
+            gather_plants(&constants),
+            gather_rotors(&rotors),
+            State::at_rest(PerAxis::zero()),
+            SAMPLE_TIME,
+        );
+        let phase =
+            PerAxis { pitch: self.each(|d| d.encoder_phase.pitch), yaw: self.each(|d| d.encoder_phase.yaw) };
+        let hardware = Hardware::of(self.rig, PerAxis::both(0.5));
+        RigLoop::assemble(plant, &hardware, phase, &self.settings.map(R::splat))
+    }
+
+    fn disturbance<R: Real<Scalar = f32>>(&self) -> PerMotor<R> {
+        PerMotor { main: self.each(|d| d.disturbance.main), tail: self.each(|d| d.disturbance.tail) }
+    }
+
+    fn each<R: Real<Scalar = f32>>(&self, of: impl Fn(&Draw) -> f64) -> R {
+        R::from_fn(|lane| f32::from_f64(of(&self.plants[lane.min(self.plants.len() - 1)])))
+    }
 }
 
 /// Flies to the end.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
-fn fly(
-    mut closed_loop: RigLoop<Group>,
-    disturbance: PerMotor<Group>,
-    envelope: &Envelope,
-    limit: PerMotor<Group>,
-    when: Schedule,
-) -> Sums {
+#[inline(always)]
+fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
+    let Flights { when, rig: Rig { envelope, .. }, .. } = *flights;
+    let mut closed_loop = flights.closed_loop::<R>();
+    let disturbance = flights.disturbance::<R>();
+    let limit = flights.settings.volts_limit.map(R::splat);
     let goal = STEP_DEG.map(f64::to_radians);
-    let reference = Reference::at_rest(goal.cast::<Group>());
-    let band = |part: f64| goal.map(|g| Group::from_f64(part * g.abs()));
+    let reference = Reference::at_rest(goal.cast::<R>());
+    let band = |part: f64| goal.map(|g| R::from_f64(part * g.abs()));
     let (band_2, band_5) = (band(0.02), band(0.05));
-    let zero = PerAxis::both(Group::zero());
-    let none = LaneMask::splat(false);
+    let zero = PerAxis::both(R::zero());
+    let none = R::Mask::splat(false);
     let mut s = Sums {
         last_outside_2: zero,
         overshoot: zero,
         hold_squares: zero,
         disturbed_squares: zero,
-        variation: Group::zero(),
-        saturated: Group::zero(),
+        variation: R::zero(),
+        saturated: R::zero(),
         outside_5: none,
         left_envelope: none,
         diverged: none,
@@ -118,10 +128,9 @@ fn fly(
         if disturbed {
             s.disturbed_squares = s.disturbed_squares.plus(square);
         } else {
-            let now = Group::from_f64(f64::from(tick));
+            let now = R::from_f64(f64::from(tick));
             let outside = error.zip(band_2, |e, band| band.lt(e.abs()));
-            s.last_outside_2 =
-                s.last_outside_2.zip(outside, |last, outside| Group::select(outside, now, last));
+            s.last_outside_2 = s.last_outside_2.zip(outside, |last, outside| R::select(outside, now, last));
             // Both steps are upwards: beyond the goal the error is negative.
             s.overshoot = s.overshoot.zip(error, |most, e| most.max(-e));
             let outside = error.zip(band_5, |e, band| band.lt(e.abs()));
@@ -134,11 +143,11 @@ fn fly(
         }
         s.volts = happened.applied;
         let over = happened.command.allocation.saturated(limit);
-        s.saturated = s.saturated + Group::select(over.main | over.tail, Group::one(), Group::zero());
+        s.saturated = s.saturated + R::select(over.main | over.tail, R::one(), R::zero());
         let state = &happened.state;
-        let far = |e: Group| !e.abs().lt(Group::from_f64(DIVERGED));
+        let far = |e: R| !e.abs().lt(R::from_f64(DIVERGED));
         s.diverged = s.diverged | far(error.pitch) | far(error.yaw);
-        let beyond = |x: Group, most: f64| Group::from_f64(most).lt(x.abs());
+        let beyond = |x: R, most: f64| R::from_f64(most).lt(x.abs());
         s.left_envelope = s.left_envelope
             | beyond(state.angle.pitch, envelope.pitch)
             | beyond(state.rate.pitch, envelope.rate.pitch)
@@ -147,15 +156,15 @@ fn fly(
     s
 }
 
-fn score(s: &Sums, lane: usize, when: Schedule) -> Score {
+fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, when: Schedule) -> Score {
     let allowance = f64::from(when.disturbance) * SAMPLE_TIME;
     if s.diverged.lane(lane) {
         return Score::diverged(allowance);
     }
-    let of = |x: Group| f64::from(x.lane(lane));
+    let of = |x: R| f64::from(x.lane(lane));
     let rms =
-        |squares: PerAxis<Group>, ticks: u32| squares.map(|x| (of(x) / f64::from(ticks)).sqrt().to_degrees());
-    let settled = |last: Group| {
+        |squares: PerAxis<R>, ticks: u32| squares.map(|x| (of(x) / f64::from(ticks)).sqrt().to_degrees());
+    let settled = |last: R| {
         let last = of(last);
         if last >= f64::from(when.disturbance - 1) { allowance } else { last * SAMPLE_TIME }
     };
@@ -177,9 +186,47 @@ mod tests {
     use super::super::{CATALOGUE, draw};
     use super::*;
     use crate::closed_loop::BoardLoop;
+    use crate::lanes::{in_lanes_with, levels};
     use twinrotor::plant::presets;
 
-    /// In every lane the drawn plant flies, bit for bit, as it does with the board's own control loop.
+    /// Every lane against the board's own control loop on that plant, tick by tick.
+    struct Compared<'a> {
+        flights: Flights<'a>,
+        boards: Vec<BoardLoop>,
+        name: &'a str,
+    }
+
+    impl Kernel for Compared<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn run<R: Real<Scalar = f32>>(mut self) {
+            let plants = self.flights.plants;
+            let mut lanes = self.flights.closed_loop::<R>();
+            let push = self.flights.disturbance::<R>();
+            let goal = STEP_DEG.map(f64::to_radians);
+            for tick in 0..1500 {
+                let disturbed = tick >= 1000;
+                let group = if disturbed { push } else { PerMotor::zero() };
+                let together = black_box(&mut lanes).tick(&Reference::at_rest(goal.cast()), group);
+                for (k, board) in self.boards.iter_mut().enumerate() {
+                    let alone_push = if disturbed { plants[k].disturbance.cast() } else { PerMotor::zero() };
+                    let alone = board.tick(&Reference::at_rest(goal.cast()), alone_push);
+                    let bits = |x: f32| x.to_bits();
+                    assert_eq!(
+                        (alone.state.angle.map(bits), alone.applied.map(bits)),
+                        (
+                            together.state.angle.map(|x| bits(x.lane(k))),
+                            together.applied.map(|x| bits(x.lane(k)))
+                        ),
+                        "{}, plant {k}, tick {tick}",
+                        self.name
+                    );
+                }
+            }
+        }
+    }
+
+    /// In every lane, with every instruction set, the drawn plant flies, bit for bit, as it does with the board's own control loop.
     #[test]
     fn a_lane_is_the_boards_flight() {
         for (name, rig) in
@@ -188,35 +235,17 @@ mod tests {
             let design = CATALOGUE.iter().find(|(n, _)| *n == name).expect("it is there").1;
             let settings = Settings::new(&rig, design(&rig), SAMPLE_TIME).map(f32::from_f64);
             let plants = draw(&rig, 3, 11);
-            let mut lanes = side_by_side(&rig, &settings, &plants);
-            let push = each_motor(&plants, |d| d.disturbance);
-            let mut boards: Vec<BoardLoop> = plants
-                .iter()
-                .map(|d| {
-                    let plant = RealPlant::new(&d.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-                    BoardLoop::new(plant, &Hardware::of(&rig, d.encoder_phase), &settings)
-                })
-                .collect();
-            let goal = STEP_DEG.map(f64::to_radians);
-            for tick in 0..1500 {
-                let disturbed = tick >= 1000;
-                let group = if disturbed { push } else { PerMotor::zero() };
-                let together = lanes.tick(&Reference::at_rest(goal.cast()), group);
-                for (k, board) in boards.iter_mut().enumerate() {
-                    let alone_push = if disturbed { plants[k].disturbance.cast() } else { PerMotor::zero() };
-                    let alone = board.tick(&Reference::at_rest(goal.cast()), alone_push);
-                    let bits = |x: f32| x.to_bits();
-                    assert_eq!(
-                        alone.state.angle.map(bits),
-                        together.state.angle.map(|x| bits(x.lane(k))),
-                        "{name}, plant {k}, tick {tick}"
-                    );
-                    assert_eq!(
-                        alone.applied.map(bits),
-                        together.applied.map(|x| bits(x.lane(k))),
-                        "{name}, plant {k}, tick {tick}"
-                    );
-                }
+            let when = Schedule { disturbance: 1000, end: 1500 };
+            let flights = Flights { rig: &rig, settings: &settings, plants: &plants, when };
+            for level in levels() {
+                let boards = plants
+                    .iter()
+                    .map(|d| {
+                        let plant = RealPlant::new(&d.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+                        BoardLoop::new(plant, &Hardware::of(&rig, d.encoder_phase), &settings)
+                    })
+                    .collect();
+                in_lanes_with(level, Compared { flights, boards, name });
             }
         }
     }

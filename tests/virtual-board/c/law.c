@@ -4,15 +4,25 @@
    where anything is not finite; the polynomial sine of core/src/trig.rs. */
 #include "law.h"
 
-/* Sine and cosine for |x| up to 8,000 rad: reduced to a quadrant by Cody and Waite, then Cephes' polynomials. */
+/* Sine and cosine of |r| <= pi/4 rad: Cephes' polynomials. */
+static inline void polynomials(float r, float *sine, float *cosine) {
+    float z = r * r;
+    *sine = r + r * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
+    *cosine = (1.0f - 0.5f * z)
+        + z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+}
+
+/* Sine and cosine for |x| up to 8,000 rad, reduced to a quadrant by Cody and Waite unless x is in the first. */
 static inline void sin_cos(float x, float *sine, float *cosine) {
+    if (__builtin_fabsf(x) < 0.785f) {
+        polynomials(x, sine, cosine);
+        return;
+    }
     const float shift = 12582912.0f; /* 1.5 * 2^23: adding it rounds to a whole number */
     float quadrant = (x * 0.636619772f + shift) - shift;
-    float r = ((x - quadrant * 1.5703125f) - quadrant * 4.837512969970703e-4f) - quadrant * 7.549789954891e-8f;
-    float z = r * r;
-    float s = r + r * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
-    float c = (1.0f - 0.5f * z)
-        + z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+    float s, c;
+    polynomials(
+        ((x - quadrant * 1.5703125f) - quadrant * 4.837512969970703e-4f) - quadrant * 7.549789954891e-8f, &s, &c);
     int turn = (int)quadrant;
     if (turn & 1) {
         float t = s;
