@@ -165,12 +165,9 @@ impl<R: Real> Pipeline<R> {
         self.decide(belief, setpoint)
     }
 
-    /// Starts afresh at `angle` \[rad\], at rest: as [`Pipeline::new`] from the same settings, but that motors which were warm
-    /// still are.
+    /// Starts afresh at `angle` \[rad\], at rest: as [`Pipeline::new`] from the same settings, but that rotors which turn still do,
+    /// and motors which are warm still are.
     pub fn restart(&mut self, angle: PerAxis<R>) {
-        if let Some(rotors) = &mut self.rotors {
-            rotors.restart();
-        }
         self.estimator.restart(angle);
         if let Some(filter) = &mut self.filter {
             filter.restart(angle);
@@ -251,7 +248,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_restart_is_a_new_start_but_that_motors_stay_warm() {
+    fn a_restart_is_a_new_start_but_for_what_motors_do_not_forget() {
         for ((_, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
             let settings = Settings::new(&rig, controller, 1e-3).map(f32::from_f64);
             let start = PerAxis::new(0.1, -0.3);
@@ -260,12 +257,11 @@ mod tests {
                 let volts = PerMotor::new(5.0, -4.0);
                 pipeline.tick(PerAxis::new(0.2, 0.4), volts, &Reference::at_rest(PerAxis::both(0.5)));
             }
-            let warm = pipeline.current_limit;
+            let (turning, warm) = (pipeline.rotors, pipeline.current_limit);
             pipeline.restart(start);
-            assert_eq!(pipeline.current_limit, warm);
-            pipeline.current_limit = settings.current_limit.map(|limit| CurrentLimit::new(limit, 1e-3));
-            assert_eq!(pipeline, Pipeline::new(&settings, start));
-            assert!(warm.is_none_or(|warm| Some(warm) != pipeline.current_limit));
+            let new = Pipeline::new(&settings, start);
+            assert_eq!(pipeline, Pipeline { rotors: turning, current_limit: warm, ..new });
+            assert!(turning != new.rotors && (warm.is_none() || warm != new.current_limit));
         }
     }
 

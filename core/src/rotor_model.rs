@@ -49,11 +49,6 @@ impl<R: Real> RotorModel<R> {
         self.volts
     }
 
-    /// Starts afresh, at rest.
-    pub fn restart(&mut self) {
-        self.volts = PerMotor::zero();
-    }
-
     /// One tick on, with `applied` \[V\] from its beginning to its end: the mean torque of that time \[N m\].
     #[inline(always)]
     pub fn advance(&mut self, applied: PerMotor<R>) -> PerAxis<R> {

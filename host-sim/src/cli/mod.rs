@@ -7,7 +7,7 @@ mod common;
 mod compare;
 mod flash;
 mod simulate;
-mod tables;
+pub mod tables;
 mod tune;
 mod tune_robust;
 
