@@ -146,6 +146,11 @@ impl Firmware {
         self.symbols.get(name).map(|&(address, _)| address)
     }
 
+    /// [bytes] Every symbol's name and size.
+    pub fn sizes(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.symbols.iter().map(|(name, &(_, size))| (name.as_str(), size))
+    }
+
     /// Every symbol's name.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.symbols.keys().map(String::as_str)

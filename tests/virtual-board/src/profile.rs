@@ -189,4 +189,19 @@ impl Profile {
         ticks.sort_by_key(|tick| tick.iter().sum::<u64>());
         ticks.get(ticks.len() / 2).copied().unwrap_or_default()
     }
+
+    /// From the reference to the volts, as a law in C has it: the model, the law, the allocation.
+    pub fn from_reference_to_volts(&self) -> u64 {
+        let parts = ["model", "law", "allocation"];
+        let of = |(step, _): &&(&str, &[&str])| parts.contains(step);
+        STEPS.iter().zip(self.median()).filter(|(step, _)| of(step)).map(|(_, spent)| spent).sum()
+    }
+
+    /// The median tick, a line for each step.
+    pub fn table(&self) -> String {
+        let median = self.median();
+        let lines = STEPS.iter().zip(median).map(|((step, _), spent)| format!("{spent:6}  {step}\n"));
+        let whole: u64 = median.iter().sum();
+        format!("{}{whole:6}  in all", lines.collect::<String>())
+    }
 }

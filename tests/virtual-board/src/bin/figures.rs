@@ -1,89 +1,88 @@
+//! Prints the firmware's figures: sizes, instructions of the tick, step by step, and the paper's law in C beside it.
+
 use std::collections::BTreeMap;
+use std::process::ExitCode;
+
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::Wish;
-use twinrotor::defaults;
-use twinrotor::gains::PAPER;
-use twinrotor::link::ToBoard;
-use twinrotor::parameters::ram_flash::RamFlash;
-use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
-use twinrotor::parameters::{Parameters, SAMPLE_TIME};
-use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::{self};
-use twinrotor::supervisor::{Request, State};
-use virtual_board::figures::Figures;
+use twinrotor::parameters::Parameters;
+use twinrotor::plant::presets::{self, Rig};
+use virtual_board::figures::{Figures, InFlight};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
-use virtual_board::machine::{Machine, Setup};
-use virtual_board::profile::{Profile, STEPS, Source};
+use virtual_board::machine::{Machine, Setup, TICK};
+use virtual_board::profile::{Profile, STEPS};
 use virtual_board::station::Station;
+use virtual_board::{flight, in_c, record};
 
-fn main() {
-    for options in virtual_board::in_c::OPTIONS {
-        println!("{:?}", virtual_board::in_c::measure(options));
-    }
-    let firmware = Firmware::released().unwrap();
-    for (name, rig, settings) in [
-        ("paper", presets::PAPER, Settings::paper(&presets::PAPER, PAPER, SAMPLE_TIME)),
-        ("rig", presets::AERO2, Settings::new(&presets::AERO2, defaults::AERO2, SAMPLE_TIME)),
-    ] {
-        let record = Parameters { checked: true, ..Parameters::new(&rig, &settings) };
-        let mut store = Store::new(RamFlash::default(), 0);
-        let mut buffer = [0; MAX_PAYLOAD];
-        store.save(record.encode(&mut buffer).unwrap(), &mut [0; SLOT_SIZE]).unwrap();
-        let setup = Setup::new(firmware.clone()).with_image(0x0800_4000, store.into_flash().bytes().to_vec());
-        let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
-        let mut station = Station::new(Machine::start(setup, Helicopter::new(&rig, supply)));
-        station.run(1700);
-        station.send(&ToBoard::Control(Wish::Zero));
-        station.await_state(200, State::Ready);
-        station.aim(PerAxis::new(0.1, 0.2));
-        station.run(20);
-        station.request(Request::Arm);
-        let from = station.machine.with(|b| b.ticks().len());
-        station.await_state(100, State::Armed);
-        let arming: Vec<u64> =
-            station.machine.with(move |b| b.ticks()[from..].iter().map(|t| t.instructions).collect());
-        println!("{name}: arming {:?}", arming.iter().max());
-        station.run(1500);
-        station.send(&ToBoard::Telemetry { every: 1 });
-        station.run(100);
-        println!("{}", Figures::measure(&firmware, &mut station));
-        let profile = Profile::of(&firmware, &mut station, "TIM1_UP_TIM10", 40).unwrap();
-        let median = profile.median();
-        for ((step, _), n) in STEPS.iter().zip(median) {
-            println!("{n:6} {step}");
-        }
-        println!("{:6}", median.iter().sum::<u64>());
-        if let Some(to) = std::env::var_os("PLACES") {
-            let source = Source::new(&firmware).unwrap();
-            let mut text = String::new();
-            for (&a, &(step, n)) in &profile.places {
-                let names: Vec<String> = source.frames(a).iter().map(|(n, l)| format!("{n}:{l}")).collect();
-                text += &format!(
-                    "{a:x} {} {} {}\n",
-                    STEPS[step].0.replace(' ', "_"),
-                    n as f64 / profile.ticks.len() as f64,
-                    names.join(" < ")
-                );
-            }
-            std::fs::write(format!("{}-{name}", to.display()), text).unwrap();
-        }
-        if std::env::var_os("HOT").is_some() {
-            let source = Source::new(&firmware).unwrap();
-            let mut by: BTreeMap<(usize, String), u64> = BTreeMap::new();
-            let depth: usize = std::env::var("HOT").unwrap().parse().unwrap();
-            for (&a, &(step, n)) in &profile.places {
-                let f = source.frames(a);
-                let names: Vec<String> = f.iter().rev().map(|(n, l)| format!("{n}:{l}")).collect();
-                let at = firmware.function(a).unwrap().1.to_owned();
-                let key = format!("{at} | {}", names[names.len().saturating_sub(depth)..].join(" > "));
-                *by.entry((step, key)).or_default() += n;
-            }
-            let mut v: Vec<_> = by.into_iter().collect();
-            v.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
-            for ((step, k), n) in v.iter().take(150) {
-                println!("{:8.1} {:12} {k}", *n as f64 / profile.ticks.len() as f64, STEPS[*step].0);
-            }
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::FAILURE
         }
     }
+}
+
+fn run() -> Result<(), String> {
+    let firmware = Firmware::released().map_err(|why| why.to_string())?;
+    let (rig, built_in) = record::tuned(record::BUILT_IN);
+    let mut papers = flying(&firmware, &presets::PAPER, record::papers(&presets::PAPER))?;
+    let mut rigs = flying(&firmware, &rig, built_in)?;
+    let figures = Figures::new(&firmware, InFlight::measure(&mut papers), InFlight::measure(&mut rigs));
+    println!("{figures}\n\n  paper   rig  instructions of the median tick");
+    let profiles = [
+        Profile::of(&firmware, &mut papers, TICK, 40)?.median(),
+        Profile::of(&firmware, &mut rigs, TICK, 40)?.median(),
+    ];
+    for (nth, (step, _)) in STEPS.iter().enumerate() {
+        println!("{:7} {:5}  {step}", profiles[0][nth], profiles[1][nth]);
+    }
+    let [paper, rig] = profiles.map(|profile| profile.iter().sum::<u64>());
+    println!("{paper:7} {rig:5}  in all\n");
+    let ours = Profile::of(&firmware, &mut papers, TICK, 40)?.from_reference_to_volts();
+    println!("the paper's law, reference to volts:\n{ours:7}  firmware (model, law, allocation)");
+    match in_c::compiler() {
+        Some(compiler) => {
+            for options in in_c::SAME_BITS.into_iter().chain(in_c::FUSED) {
+                println!("{:7}  C, {compiler}, {options}", in_c::measure(options)?.instructions);
+            }
+        }
+        None => println!("{:7}  C, as kept: no arm-none-eabi-gcc here", in_c::KEPT),
+    }
+    println!("\n  bytes  by module");
+    let mut modules: Vec<(String, u64)> = modules(&firmware).into_iter().collect();
+    modules.sort_by_key(|(_, bytes)| std::cmp::Reverse(*bytes));
+    for (module, bytes) in modules {
+        println!("{bytes:7}  {module}");
+    }
+    Ok(())
+}
+
+/// A board that holds a pose.
+fn flying(firmware: &Firmware, rig: &Rig, parameters: Parameters) -> Result<Station, String> {
+    let setup = Setup::new(firmware.clone()).with_image(record::ADDRESS, record::image(&[parameters]));
+    let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
+    let mut station = Station::new(Machine::start(setup, Helicopter::new(rig, supply)));
+    flight::take_off(&mut station, &mut |_| {}).map_err(|why| why.to_string())?;
+    station.aim(PerAxis::new(0.1, 0.2));
+    station.run(500);
+    Ok(station)
+}
+
+/// [bytes] Code, constants and variables of each crate, the core's and the firmware's of each module.
+fn modules(firmware: &Firmware) -> BTreeMap<String, u64> {
+    let mut sizes = BTreeMap::new();
+    for (name, size) in firmware.sizes() {
+        let path = name.trim_start_matches(['<', '&']);
+        let mut parts = path.split("::");
+        let own = parts.next().unwrap_or_default();
+        let module = match own {
+            "twinrotor" | "firmware" => format!("{own}::{}", parts.next().unwrap_or_default()),
+            _ if path.contains("::") => own.to_owned(),
+            _ => "the rest (linker and runtime names)".to_owned(),
+        };
+        *sizes.entry(module).or_default() += size;
+    }
+    sizes
 }
