@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use std::{env, fs};
 use twinrotor::parameters::{Parameters, SAMPLE_TIME, store};
 use twinrotor::pipeline::Settings;
-use twinrotor::{gains, plant::presets};
+use twinrotor::{defaults, plant::presets};
 
-/// The rig of a board in which nothing is stored yet. Such a board does not arm.
+/// The rig of a board in which nothing is stored yet, with the controller tuned for it: this one, or the preset that
+/// `TWINROTOR_PRESET` names when the firmware is built. Such a board does not arm before somebody stores parameters on purpose.
 const DEFAULT_PRESET: &str = "aero2";
+const PRESET_VARIABLE: &str = "TWINROTOR_PRESET";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var("OUT_DIR")?);
@@ -22,12 +24,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("cargo:rerun-if-changed=../memory.x");
     println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-env-changed={PRESET_VARIABLE}");
     Ok(())
 }
 
 fn default_record() -> Result<Vec<u8>, Box<dyn Error>> {
-    let rig = presets::ALL.iter().find(|(name, _)| *name == DEFAULT_PRESET).ok_or("no such preset")?.1;
-    let parameters = Parameters::new(&rig, &Settings::paper(&rig, gains::PAPER, SAMPLE_TIME));
+    let name = env::var(PRESET_VARIABLE).unwrap_or_else(|_| DEFAULT_PRESET.to_owned());
+    let known = presets::ALL.map(|(name, _)| name).join(", ");
+    let unknown = || format!("{PRESET_VARIABLE} is '{name}'; allowed: {known}");
+    let (_, rig) = presets::ALL.into_iter().find(|(known, _)| *known == name).ok_or_else(unknown)?;
+    let (_, controller) = defaults::ALL.into_iter().find(|(known, _)| *known == name).ok_or_else(unknown)?;
+    let parameters = Parameters::new(&rig, &Settings::new(&rig, controller, SAMPLE_TIME));
     parameters.validate().map_err(|error| format!("default parameters: {error:?}"))?;
     let mut buffer = [0; store::MAX_PAYLOAD];
     let bytes = parameters.encode(&mut buffer).map_err(|error| format!("default parameters: {error:?}"))?;

@@ -63,6 +63,11 @@ impl<R: Real> CommandFilter<R> {
         }
     }
 
+    /// Starts afresh at `angle` \[rad\], at rest.
+    pub fn restart(&mut self, angle: PerAxis<R>) {
+        self.now = Reference::at_rest(angle);
+    }
+
     /// What to follow in this tick, in which `wanted` is the operator's wish.
     #[inline(always)]
     pub fn step(&mut self, wanted: &Reference<R>) -> Reference<R> {

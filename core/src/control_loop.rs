@@ -4,11 +4,11 @@ use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
 use crate::encoder::{CounterWidth, Encoder};
-use crate::estimator::Estimate;
+use crate::estimator::{Belief, Estimate};
 use crate::first_power::{FirstPowerCheck, STILL_TICKS, Verdict};
 use crate::monitor::{Monitor, Seen};
 use crate::parameters::Parameters;
-use crate::pipeline::{Command, Pipeline, Settings};
+use crate::pipeline::{Command, Pipeline};
 use crate::reference::Reference;
 use crate::supervisor::{Condition, Conditions, Request, State, Supervisor};
 use crate::telemetry::Frame;
@@ -18,7 +18,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy)]
 pub struct ControlLoop {
     tick: u32,
-    settings: Settings<f32>,
     rest_counts: PerAxis<i32>,
     encoders: PerAxis<Encoder>,
     /// \[ticks\] Since an encoder last moved.
@@ -26,8 +25,6 @@ pub struct ControlLoop {
     zeroed: bool,
     checked: bool,
     pipeline: Pipeline<f32>,
-    /// The last tick's pipeline met a NaN or an infinity.
-    fault: bool,
     monitor: Monitor,
     supervisor: Supervisor,
     check: FirstPowerCheck,
@@ -43,7 +40,7 @@ pub struct ControlLoop {
 
 /// What the board has read when a tick begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inputs {
+pub struct Inputs<'a> {
     /// What each encoder's counter shows.
     pub counters: PerAxis<u32>,
     /// \[V\] Supply of the amplifiers.
@@ -55,7 +52,7 @@ pub struct Inputs {
     /// A message came since the last tick.
     pub heard: bool,
     /// What the operator wants, if anything new.
-    pub wish: Option<Wish>,
+    pub wish: Option<&'a Wish>,
 }
 
 /// What the operator may want of the loop.
@@ -93,14 +90,12 @@ impl ControlLoop {
         });
         Self {
             tick: 0,
-            settings: parameters.settings,
             rest_counts: parameters.encoders.map(|scale| scale.rest_counts),
             encoders,
             still: 0,
             zeroed: false,
             checked: parameters.checked,
             pipeline: Pipeline::new(&parameters.settings, encoders.map(|e| e.angle())),
-            fault: false,
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters),
@@ -108,20 +103,25 @@ impl ControlLoop {
             approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
             drive,
             conditions: Conditions::NONE,
-            command: Command::idle(Estimate::default(), Reference::default()),
+            command: Command::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
         }
     }
 
     /// Other parameters from now on, with the motors off: all starts afresh but the count of ticks.
-    pub fn adopt(&mut self, parameters: &Parameters, counters: PerAxis<u32>, drive: Drive<f32>) {
-        *self = Self { tick: self.tick.wrapping_add(1), ..Self::new(parameters, counters, drive, None) };
+    pub fn adopt(&mut self, parameters: &Parameters) {
+        let counters = self.encoders.map(|encoder| encoder.reading());
+        *self = Self { tick: self.tick, ..Self::new(parameters, counters, self.drive, None) };
     }
 
     /// Whether the motors may turn, since the last tick.
     pub fn state(&self) -> State {
         self.supervisor.state()
+    }
+
+    fn is_armed(&self) -> bool {
+        matches!(self.supervisor.state(), State::Armed)
     }
 
     /// How the last tick came to its duties.
@@ -144,7 +144,7 @@ impl ControlLoop {
             conditions: self.conditions,
             angle: command.estimate.state.angle,
             rate: command.estimate.state.rate,
-            reference: command.reference.angle,
+            reference: command.reference,
             demand: command.allocation.demand,
             volts: self.latched,
             supply: self.supply,
@@ -153,15 +153,15 @@ impl ControlLoop {
 
     /// One tick.
     #[inline(never)]
-    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+    pub fn tick(&mut self, inputs: &Inputs<'_>) -> Outputs {
         let (measured, moved) = self.read_encoders(inputs.counters);
-        let mut estimate = self.pipeline.estimate(measured, self.latched);
-        self.find_conditions(inputs, &estimate, moved);
-        if self.supervise(inputs.wish.as_ref(), measured) {
-            estimate = self.pipeline.estimate(measured, self.latched);
+        let mut belief = self.pipeline.believe(measured, self.latched);
+        self.find_conditions(inputs, &belief.estimate, moved);
+        if self.supervise(inputs.wish, measured) {
+            belief = self.pipeline.believe(measured, self.latched);
         }
-        let reference = self.follow(inputs.wish.as_ref());
-        self.decide(estimate, reference, measured);
+        let reference = self.follow(inputs.wish);
+        self.decide(belief, reference, measured);
         self.supply = inputs.supply;
         let duty = self.drive.duty(self.command.allocation.volts, inputs.supply);
         self.latched = self.drive.volts(duty, inputs.supply);
@@ -181,16 +181,16 @@ impl ControlLoop {
         (measured, moved)
     }
 
-    fn find_conditions(&mut self, inputs: &Inputs, estimate: &Estimate<f32>, moved: PerAxis<i32>) {
+    fn find_conditions(&mut self, inputs: &Inputs<'_>, estimate: &Estimate<f32>, moved: PerAxis<i32>) {
         let seen = self.monitor.check(&Seen {
             moved,
             estimate,
             applied: self.latched,
             supply: inputs.supply,
             current_limit: inputs.current_limit,
-            fault: self.fault,
+            demand: self.command.allocation.demand,
             zeroed: self.zeroed,
-            armed: self.supervisor.state() == State::Armed,
+            armed: self.is_armed(),
             heard: inputs.heard,
         });
         // A jump means lost counts: where zero was is no longer known.
@@ -210,13 +210,11 @@ impl ControlLoop {
             (None, Some(Wish::Request(request))) => Some(*request),
             _ => None,
         };
-        let now = self.supervisor.step(self.conditions, request);
-        if now == before {
+        if !self.supervisor.step(self.conditions, request) {
             return false;
         }
-        self.fault = false;
-        self.pipeline = Pipeline::new(&self.settings, measured);
-        match now {
+        self.pipeline.restart(measured);
+        match self.supervisor.state() {
             State::Armed => {
                 self.monitor.restart();
                 self.approach.begin(measured);
@@ -236,28 +234,24 @@ impl ControlLoop {
             }
             _ => {}
         }
-        match self.supervisor.state() {
-            State::Armed => self.approach.step(),
-            _ => self.approach.idle(),
-        }
+        if self.is_armed() { self.approach.step() } else { self.approach.idle() }
     }
 
     /// Takes where the rig lies for its rest pose.
     fn zero(&mut self) {
         self.encoders.pitch.set_position(self.rest_counts.pitch);
         self.encoders.yaw.set_position(self.rest_counts.yaw);
-        self.pipeline = Pipeline::new(&self.settings, self.encoders.map(|e| e.angle()));
+        self.pipeline.restart(self.encoders.map(|e| e.angle()));
         self.zeroed = true;
     }
 
     /// What the motors are to do: what the law says when armed, what the check says when checking, else nothing.
-    fn decide(&mut self, estimate: Estimate<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
-        if self.supervisor.state() == State::Armed {
-            self.command = self.pipeline.act(estimate, &reference);
-            self.fault = self.command.allocation.fault;
+    fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
+        if self.is_armed() {
+            self.command = self.pipeline.decide(belief, &reference);
             return;
         }
-        self.command = Command::idle(estimate, reference);
+        self.command = Command::idle(belief.estimate, reference.angle);
         if self.supervisor.state() == State::Checking {
             let (volts, verdict) = self.check.step(measured, self.still);
             self.command.allocation.volts = volts;

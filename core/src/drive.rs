@@ -14,22 +14,26 @@ pub struct Drive<R> {
 pub struct Duty<R>(R);
 
 impl<R: Real> Drive<R> {
-    /// With this many compare steps from zero to full voltage.
+    /// With this many compare steps from zero to full voltage, at most 2^16.
     pub fn new(full_steps: u32) -> Self {
         Self { full_steps: R::from_i32(full_steps.cast_signed()) }
     }
 
-    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most full either way. Zero if
+    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most full either way. Zero for both motors if
     /// anything is not finite or the supply is not above zero: this is the only way to a duty.
     #[inline(always)]
     pub fn duty(&self, volts: PerMotor<R>, supply: R) -> PerMotor<Duty<R>> {
         let steps_per_volt = self.full_steps / supply;
-        volts.map(
+        let steps = volts.map(
             #[inline(always)]
-            |v| {
-                let steps = v * steps_per_volt;
-                let sound = steps.is_finite() & R::zero().lt(supply);
-                let steps = steps.clamp(-self.full_steps, self.full_steps).round();
+            |v| v * steps_per_volt,
+        );
+        // One NaN or infinity makes the sum one.
+        let sound = (steps.main + steps.tail).is_finite() & R::zero().lt(supply);
+        steps.map(
+            #[inline(always)]
+            |steps| {
+                let steps = steps.clamp(-self.full_steps, self.full_steps).round_small();
                 Duty(R::select(sound, steps, R::zero()))
             },
         )

@@ -60,6 +60,12 @@ impl Encoder {
         f32::from_i32(self.position) * self.angle_per_count
     }
 
+    /// The last reading.
+    #[inline]
+    pub fn reading(&self) -> u32 {
+        self.last
+    }
+
     /// Counts from zero at the last reading.
     #[inline]
     pub fn position(&self) -> i32 {

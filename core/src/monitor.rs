@@ -55,8 +55,8 @@ pub struct Seen<'a> {
     pub supply: f32,
     /// The amplifier says that it limits the current.
     pub current_limit: bool,
-    /// The last tick's pipeline met a NaN or an infinity.
-    pub fault: bool,
+    /// \[V\] What the last tick's pipeline asked for.
+    pub demand: PerMotor<f32>,
     /// The encoders have a zero.
     pub zeroed: bool,
     /// The law turns the motors.
@@ -82,7 +82,7 @@ pub struct Monitor {
 struct Bounds {
     pitch: f32,
     rate: PerAxis<f32>,
-    jump: PerAxis<i32>,
+    jump: PerAxis<u32>,
     supply_low: f32,
     supply_high: f32,
     command_timeout: u32,
@@ -95,8 +95,12 @@ impl Monitor {
         let limits = &parameters.limits;
         let jump = |rate: f32, angle_per_count: f32| {
             let counts = JUMP_MARGIN * rate * parameters.settings.sample_time / angle_per_count + JUMP_COUNTS;
-            #[expect(clippy::cast_possible_truncation, reason = "saturates, and then never trips")]
-            let counts = counts as i32;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates, and then never trips"
+            )]
+            let counts = counts as u32;
             counts
         };
         Self {
@@ -129,12 +133,14 @@ impl Monitor {
     pub fn check(&mut self, seen: &Seen<'_>) -> Conditions {
         let b = &self.limits;
         let state = &seen.estimate.state;
-        let jumped = seen.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit.unsigned_abs());
+        let jumped = seen.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
         let outside = !(seen.supply >= b.supply_low && seen.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
         let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;
-        // One NaN or infinity makes the sum one; rates and angles of this world do not overflow it.
-        let sum = (state.angle.pitch + state.angle.yaw) + (state.rate.pitch + state.rate.yaw);
+        // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
+        let sum = (state.angle.pitch + state.angle.yaw)
+            + (state.rate.pitch + state.rate.yaw)
+            + (seen.demand.main + seen.demand.tail);
         self.until_motion = self.until_motion.wrapping_sub(1);
         if self.until_motion == 0 {
             self.until_motion = MOTION_EVERY;
@@ -149,7 +155,7 @@ impl Monitor {
             .with(Condition::YawMotion, seen.armed && self.disagrees.yaw)
             .with(Condition::AngleEnvelope, steep)
             .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
-            .with(Condition::NonFinite, seen.fault || !sum.is_finite())
+            .with(Condition::NonFinite, !sum.is_finite())
             .with(Condition::SupplyRange, self.supply.over(outside, SUPPLY_TICKS))
             .with(Condition::CurrentLimit, self.current.over(seen.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)

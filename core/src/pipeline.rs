@@ -5,7 +5,7 @@ use crate::allocation::{Allocation, Allocator, CurrentLimit, CurrentLimitSetting
 use crate::axes::{PerAxis, PerMotor};
 use crate::command_filter::CommandFilter;
 use crate::controller::ControllerSettings;
-use crate::estimator::{Estimate, Estimator};
+use crate::estimator::{Belief, Estimate, Estimator};
 use crate::gains::Gains;
 use crate::law::{ControlLaw, Law, Situation};
 use crate::lead::Lead;
@@ -117,18 +117,16 @@ pub struct Pipeline<R> {
 pub struct Command<R: Real> {
     /// What was believed.
     pub estimate: Estimate<R>,
-    /// What the law followed: the setpoint, filtered where there is a filter.
-    pub reference: Reference<R>,
-    /// \[N m\] What the law asked for.
-    pub torque: PerAxis<R>,
+    /// \[rad\] Where the law wanted to be: the setpoint, filtered where there is a filter.
+    pub reference: PerAxis<R>,
     /// What the motors are to do about it.
     pub allocation: Allocation<R>,
 }
 
 impl<R: Real> Command<R> {
     /// Motors off.
-    pub fn idle(estimate: Estimate<R>, reference: Reference<R>) -> Self {
-        Self { estimate, reference, torque: PerAxis::zero(), allocation: Allocation::none() }
+    pub fn idle(estimate: Estimate<R>, reference: PerAxis<R>) -> Self {
+        Self { estimate, reference, allocation: Allocation::none() }
     }
 }
 
@@ -163,13 +161,23 @@ impl<R: Real> Pipeline<R> {
         applied: PerMotor<R>,
         setpoint: &Reference<R>,
     ) -> Command<R> {
-        let estimate = self.estimate(measured, applied);
-        self.act(estimate, setpoint)
+        let belief = self.believe(measured, applied);
+        self.decide(belief, setpoint)
+    }
+
+    /// Starts afresh at `angle` \[rad\], at rest: as [`Pipeline::new`] from the same settings, but that rotors which turn still do,
+    /// and motors which are warm still are.
+    pub fn restart(&mut self, angle: PerAxis<R>) {
+        self.estimator.restart(angle);
+        if let Some(filter) = &mut self.filter {
+            filter.restart(angle);
+        }
+        self.law.restart();
     }
 
     /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to the next tick.
     #[inline(always)]
-    pub fn estimate(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Estimate<R> {
+    pub fn believe(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Belief<R> {
         let torque = match &mut self.rotors {
             Some(rotors) => rotors.advance(applied),
             None => PerAxis::zero(),
@@ -180,31 +188,49 @@ impl<R: Real> Pipeline<R> {
         self.estimator.update(measured, &self.model, torque)
     }
 
-    /// The second half: what to do about it. In a world where the state is known (ideal fidelity) it is the whole tick.
+    /// The whole tick in a world where the state is known (ideal fidelity).
     #[inline(always)]
     pub fn act(&mut self, estimate: Estimate<R>, setpoint: &Reference<R>) -> Command<R> {
+        self.decide(Belief::new(&self.model, estimate), setpoint)
+    }
+
+    /// The second half of a tick: what to do about it.
+    #[inline(always)]
+    pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Command<R> {
         let reference = match &mut self.filter {
             Some(filter) => filter.step(setpoint),
             None => *setpoint,
         };
-        let now = Situation::new(&self.model, &estimate, &reference);
-        let mut torque = self.law.torque(&now);
-        if let Some(share) = self.cancellation {
-            let found = share.zip(estimate.disturbance, |a, d| a * d);
-            torque = torque.minus(now.dynamics.inertia.zip(found, |i, d| i * d));
-        }
-        let mut demand = self.allocator.demand(torque);
-        if let (Some(lead), Some(rotors)) = (&self.lead, &self.rotors) {
-            demand = lead.apply(demand, rotors.volts());
-        }
+        let now = Situation::new(&self.model, belief, reference);
+        let torque = self.law.torque(&now);
         let limit = self.allocator.limit();
-        let range = match (&self.current_limit, &self.rotors) {
-            (Some(current), Some(rotors)) => current.range(rotors.volts(), limit),
-            _ => VoltsRange::within(limit),
+        let (demand, range) = match &self.rotors {
+            None => (self.allocator.demand(torque), VoltsRange::within(limit)),
+            // What knows of the rotors, or of a disturbance, which takes an estimator that does.
+            Some(rotors) => {
+                let torque = match self.cancellation {
+                    Some(share) => {
+                        let found = share.zip(now.estimate.disturbance, |a, d| a * d);
+                        torque.minus(now.dynamics.inertia.zip(found, |i, d| i * d))
+                    }
+                    None => torque,
+                };
+                let demand = self.allocator.demand(torque);
+                let in_effect = rotors.volts();
+                let demand = match &self.lead {
+                    Some(lead) => lead.apply(demand, in_effect),
+                    None => demand,
+                };
+                let range = match &self.current_limit {
+                    Some(current) => current.range(in_effect, limit),
+                    None => VoltsRange::within(limit),
+                };
+                (demand, range)
+            }
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
-        self.law.settle(&now, allocation.clipped());
-        Command { estimate, reference, torque, allocation }
+        self.law.settle(&now, &allocation);
+        Command { estimate: now.estimate, reference: reference.angle, allocation }
     }
 
     /// \[V\] The limits in force.
@@ -217,9 +243,27 @@ impl<R: Real> Pipeline<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gains;
     use crate::plant::{State, presets};
+    use crate::{defaults, gains};
     use proptest::prelude::*;
+
+    #[test]
+    fn a_restart_is_a_new_start_but_for_what_motors_do_not_forget() {
+        for ((_, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
+            let settings = Settings::new(&rig, controller, 1e-3).map(f32::from_f64);
+            let start = PerAxis::new(0.1, -0.3);
+            let mut pipeline = Pipeline::new(&settings, PerAxis::zero());
+            for _ in 0..100 {
+                let volts = PerMotor::new(5.0, -4.0);
+                pipeline.tick(PerAxis::new(0.2, 0.4), volts, &Reference::at_rest(PerAxis::both(0.5)));
+            }
+            let (turning, warm) = (pipeline.rotors, pipeline.current_limit);
+            pipeline.restart(start);
+            let new = Pipeline::new(&settings, start);
+            assert_eq!(pipeline, Pipeline { rotors: turning, current_limit: warm, ..new });
+            assert!(turning != new.rotors && (warm.is_none() || warm != new.current_limit));
+        }
+    }
 
     proptest! {
         /// NaN or infinity anywhere in the input gives zero volts and a flag, never a bound.
@@ -240,7 +284,7 @@ mod tests {
                 let settings = Settings::paper(&rig, gains::PAPER, 1e-3).map(f32::from_f64);
                 let mut pipeline = Pipeline::new(&settings, PerAxis::zero());
                 let got = pipeline.act(estimate, &reference).allocation;
-                prop_assert!(got.fault);
+                prop_assert!(got.fault());
                 prop_assert_eq!(got.volts, PerMotor::zero());
             }
         }
@@ -254,7 +298,7 @@ mod tests {
             for (_, rig) in presets::ALL {
                 let settings = Settings::paper(&rig, gains::PAPER, 1e-3).map(f32::from_f64);
                 let got = Pipeline::new(&settings, PerAxis::zero()).act(estimate, &reference).allocation;
-                prop_assert!(!got.fault);
+                prop_assert!(!got.fault());
                 prop_assert!(got.volts.main.abs() <= settings.volts_limit.main);
                 prop_assert!(got.volts.tail.abs() <= settings.volts_limit.tail);
             }

@@ -48,8 +48,6 @@ pub enum Condition {
     ParametersInvalid,
     /// Nothing is stored: the built-in defaults are in force.
     ParametersMissing,
-    /// The parameters are being written.
-    Saving,
     /// The encoders have no zero yet.
     NotZeroed,
     /// The first-power check has not been passed.
@@ -68,7 +66,7 @@ pub enum Condition {
 
 impl Condition {
     /// Every condition, in the order of its bit.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 23] = [
         Self::EmergencyStop,
         Self::CurrentLimit,
         Self::SupplyRange,
@@ -85,7 +83,6 @@ impl Condition {
         Self::StackGuard,
         Self::ParametersInvalid,
         Self::ParametersMissing,
-        Self::Saving,
         Self::NotZeroed,
         Self::NotChecked,
         Self::ResetByWatchdog,
@@ -125,7 +122,6 @@ impl Conditions {
         Condition::CommandTimeout,
         Condition::StackGuard,
         Condition::ParametersInvalid,
-        Condition::Saving,
     ]);
 
     /// The set of these conditions.
@@ -278,6 +274,8 @@ pub const TRANSITIONS: [[Next; 7]; 5] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Supervisor {
     state: State,
+    /// What was present at the last step, if that changed nothing and nothing was asked: the same again changes nothing.
+    settled: Option<Conditions>,
 }
 
 impl Supervisor {
@@ -285,8 +283,8 @@ impl Supervisor {
     #[must_use]
     pub const fn new(reset_cause: Option<Condition>) -> Self {
         match reset_cause {
-            None => Self { state: State::Disarmed },
-            Some(cause) => Self { state: State::Fault(cause) },
+            None => Self { state: State::Disarmed, settled: None },
+            Some(cause) => Self { state: State::Fault(cause), settled: None },
         }
     }
 
@@ -296,8 +294,18 @@ impl Supervisor {
         self.state
     }
 
-    /// One tick: `present` is all that is wrong now, `request` what the operator asks.
-    pub fn step(&mut self, present: Conditions, request: Option<Request>) -> State {
+    /// One tick: `present` is all that is wrong now, `request` what the operator asks. Tells whether the state changes.
+    #[inline(always)]
+    pub fn step(&mut self, present: Conditions, request: Option<Request>) -> bool {
+        if request.is_none() && self.settled == Some(present) {
+            return false;
+        }
+        self.look_up(present, request)
+    }
+
+    #[inline(never)]
+    fn look_up(&mut self, present: Conditions, request: Option<Request>) -> bool {
+        let before = self.state;
         let hazards = present.intersection(Conditions::HAZARDS);
         let event = event(hazards, present, request);
         self.state = match (
@@ -306,9 +314,11 @@ impl Supervisor {
         ) {
             (Some(To(next)), _) => *next,
             (Some(Latch), Some(cause)) => State::Fault(cause),
-            _ => self.state,
+            _ => before,
         };
-        self.state
+        let changes = self.state != before;
+        self.settled = (request.is_none() && !changes).then_some(present);
+        changes
     }
 }
 

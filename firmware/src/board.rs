@@ -7,6 +7,7 @@ use embassy_stm32::adc::Adc;
 use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
 use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::mode::Async;
+use embassy_stm32::pac::gpio::vals::Idr;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
 };
@@ -28,6 +29,8 @@ pub(crate) const DEAD_TIME: u8 = 84;
 pub(crate) const SUPPLY: (pac::adc::Adc, u8, f32) = (pac::ADC1, 10, 3.3 * 11.0);
 /// The emergency stop's port, as SYSCFG numbers them from A = 0, and pin.
 pub(crate) const EMERGENCY_STOP: (pac::gpio::Gpio, u8, u8) = (pac::GPIOB, 1, 12);
+/// The amplifiers' fault or current limit: low.
+const CURRENT_LIMIT: (pac::gpio::Gpio, usize) = (pac::GPIOC, 3);
 /// The amplifiers' enable pin: high is on.
 const ENABLE: (pac::gpio::Gpio, usize) = (pac::GPIOC, 8);
 
@@ -59,6 +62,18 @@ pub(crate) fn amplifiers_off() {
 pub(crate) fn enable_pin(on: bool) {
     let (port, pin) = ENABLE;
     port.bsrr().write(|w| if on { w.set_bs(pin, true) } else { w.set_br(pin, true) });
+}
+
+/// Is the emergency stop pressed, or its cable broken?
+pub(crate) fn emergency_stop() -> bool {
+    let (port, _, pin) = EMERGENCY_STOP;
+    port.idr().read().idr(usize::from(pin)) == Idr::HIGH
+}
+
+/// Do the amplifiers limit the current, or are they at fault?
+pub(crate) fn current_limit() -> bool {
+    let (port, pin) = CURRENT_LIMIT;
+    port.idr().read().idr(pin) == Idr::LOW
 }
 
 /// Does each encoder's timer count?

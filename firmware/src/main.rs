@@ -8,6 +8,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+mod aside;
+#[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
 mod critical;
@@ -42,10 +44,10 @@ async fn main(spawner: embassy_executor::Spawner) {
     let board = board::start();
     last_words::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
-    let (reports, orders) =
+    let (reports, wishes) =
         tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
     defmt::info!("{}: reset reported {}, {}", board::CHIP, reset.is_some(), provenance.name());
-    serial::start(spawner, board.serial, storage, parameters, reset, reports, orders);
+    serial::start(spawner, board.serial, storage, parameters, reset, reports, wishes);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
 

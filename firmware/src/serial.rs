@@ -1,11 +1,10 @@
 //! The serial link: commands in, answers and telemetry out, both by DMA, never in the way of a tick.
 
+use crate::aside::TickAside;
 use crate::board::CHIP;
-use crate::shared::{
-    FRAME_EVERY, FRAMES_DROPPED, HEARD, Maintenance, Order, Orders, Reports, TICK_CYCLES_MAX,
-};
-use crate::stack;
+use crate::shared::{FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, Wishes};
 use crate::storage::Storage;
+use crate::{stack, tick};
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::NVIC;
 use embassy_executor::Spawner;
@@ -17,7 +16,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
 use embassy_sync::signal::Signal;
-use embassy_time::{Duration, Instant, Timer};
+use embassy_time::{Duration, Instant};
 use static_cell::StaticCell;
 use twinrotor::link::{
     self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
@@ -37,12 +36,12 @@ pub(crate) fn start(
     parameters: Parameters,
     reset: Option<ResetReport>,
     reports: Reports,
-    orders: Orders,
+    wishes: Wishes,
 ) {
     static DMA_BUFFER: StaticCell<[u8; 512]> = StaticCell::new();
     let (sender, receiver) = uart.split();
     let receiver = receiver.into_ring_buffered(DMA_BUFFER.init([0; 512]));
-    let operator = Operator { storage, parameters, reset, orders };
+    let operator = Operator { storage, parameters, reset, wishes };
     spawner.spawn(receive(receiver, operator).expect("spawned once"));
     spawner.spawn(send(sender, reports).expect("spawned once"));
 }
@@ -140,7 +139,7 @@ struct Operator {
     storage: Storage,
     parameters: Parameters,
     reset: Option<ResetReport>,
-    orders: Orders,
+    wishes: Wishes,
 }
 
 impl Operator {
@@ -149,7 +148,7 @@ impl Operator {
             ToBoard::Alive => None,
             ToBoard::Identify => Some(self.identity()),
             ToBoard::Control(wish) => {
-                let full = self.orders.enqueue(Order::Wish(wish)).is_err();
+                let full = self.wishes.enqueue(wish).is_err();
                 full.then_some(ToHost::Refused(Refusal::Busy))
             }
             ToBoard::Telemetry { every } => {
@@ -164,31 +163,13 @@ impl Operator {
         }
     }
 
-    /// Parameters to flash, then to the tick, with the motors held off all the while.
+    /// Parameters to flash, then to the tick, which keeps the motors off all the while.
     async fn keep(&mut self, parameters: Parameters) -> Result<(), Refusal> {
         parameters.validate()?;
-        Maintenance::Wanted.set();
-        while Maintenance::get() == Maintenance::Wanted {
-            Timer::after_micros(500).await;
-        }
-        let saved = if Maintenance::get() == Maintenance::Granted {
-            self.save(parameters).await
-        } else {
-            Err(Refusal::MotorsMayTurn)
-        };
-        Maintenance::None.set();
-        saved
-    }
-
-    async fn save(&mut self, parameters: Parameters) -> Result<(), Refusal> {
+        let aside = TickAside::ask().await.ok_or(Refusal::MotorsMayTurn)?;
         self.storage.save(&parameters)?;
+        tick::adopt(&parameters, &aside);
         self.parameters = parameters;
-        while self.orders.enqueue(Order::Adopt(parameters)).is_err() {
-            Timer::after_millis(1).await;
-        }
-        while !self.orders.is_empty() {
-            Timer::after_millis(1).await;
-        }
         Ok(())
     }
 

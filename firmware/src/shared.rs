@@ -4,26 +4,18 @@ use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer};
 use twinrotor::control_loop::Wish;
 use twinrotor::first_power::Verdict;
-use twinrotor::parameters::Parameters;
 use twinrotor::telemetry::Frame;
-
-/// From the thread to the tick.
-pub(crate) enum Order {
-    Wish(Wish),
-    /// These parameters from now on; only sent while [`Maintenance::Granted`].
-    Adopt(Parameters),
-}
 
 /// Room for 80 ms of telemetry at 200 frames a second.
 pub(crate) const FRAMES: usize = 16;
 pub(crate) const VERDICTS: usize = 2;
-pub(crate) const ORDERS: usize = 4;
+pub(crate) const WISHES: usize = 4;
 /// The thread's end of what the tick reports.
 pub(crate) struct Reports {
     pub(crate) frames: Consumer<'static, Frame>,
     pub(crate) verdicts: Consumer<'static, Verdict>,
 }
-pub(crate) type Orders = Producer<'static, Order>;
+pub(crate) type Wishes = Producer<'static, Wish>;
 
 /// Something came over the link since the last tick.
 pub(crate) static HEARD: AtomicBool = AtomicBool::new(false);
@@ -42,33 +34,12 @@ pub(crate) static STACK_LOW: AtomicBool = AtomicBool::new(false);
 /// What the LED shows; see [`crate::led`].
 pub(crate) static LED_PATTERN: AtomicU8 = AtomicU8::new(0);
 
-static MAINTENANCE: AtomicU8 = AtomicU8::new(Maintenance::None as u8);
-
-/// The flash stalls the core while it is written, so the thread asks the tick first.
-#[derive(Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub(crate) enum Maintenance {
-    /// Normal.
-    None,
-    /// The thread asks.
-    Wanted,
-    /// The tick holds the motors off, and ticks may be missed, until `None` again.
-    Granted,
-    /// The motors may turn, or a fault is to be cleared first.
-    Refused,
-}
-
-impl Maintenance {
-    pub(crate) fn get() -> Self {
-        match MAINTENANCE.load(Ordering::Acquire) {
-            1 => Self::Wanted,
-            2 => Self::Granted,
-            3 => Self::Refused,
-            _ => Self::None,
-        }
+/// For the tick: takes a flag back that others raise, whom it interrupts and who never interrupt it.
+#[inline(always)]
+pub(crate) fn take(flag: &AtomicBool) -> bool {
+    let raised = flag.load(Ordering::Relaxed);
+    if raised {
+        flag.store(false, Ordering::Relaxed);
     }
-
-    pub(crate) fn set(self) {
-        MAINTENANCE.store(self as u8, Ordering::Release);
-    }
+    raised
 }

@@ -1,10 +1,11 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
+use crate::aside::{self, TickAside};
 use crate::port::senses::Sensed;
 use crate::port::{EncoderPwmPort, PlantPort, amplifier};
 use crate::shared::{
-    FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Maintenance, ORDERS, Order, Orders, Reports,
-    STACK_LOW, TICK_CYCLES_MAX, TICKS, VERDICTS,
+    FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW, TICK_CYCLES_MAX, TICKS,
+    VERDICTS, WISHES, Wishes, take,
 };
 use crate::storage::Provenance;
 use crate::{led, serial, watchdog};
@@ -19,19 +20,16 @@ use twinrotor::axes::PerMotor;
 use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::Parameters;
-use twinrotor::supervisor::{Condition, Conditions, State};
+use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
 /// [cycles] More than this from one tick to the next, and one has been missed.
 const TOO_LATE: u32 = 168_000 * 3 / 2;
 
-/// What the interrupt owns.
+/// What the interrupt owns beside the control loop.
 struct Tick {
     port: EncoderPwmPort,
-    control: ControlLoop,
-    /// What the parameters' provenance says against arming.
-    standing: Conditions,
-    orders: Consumer<'static, Order>,
+    wishes: Consumer<'static, Wish>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
     until_frame: u16,
@@ -40,13 +38,22 @@ struct Tick {
     overrun: bool,
 }
 
-struct OfTheInterrupt(UnsafeCell<MaybeUninit<Tick>>);
+/// What the thread has while the tick stands aside.
+struct Control {
+    core: ControlLoop,
+    /// What the parameters' provenance says against arming.
+    standing: Conditions,
+}
+
+struct OfTheInterrupt<T>(UnsafeCell<MaybeUninit<T>>);
 
 #[expect(unsafe_code, reason = "owned by the interrupt")]
-// SAFETY: `start` writes it before it enables the interrupt, which alone uses it from then on.
-unsafe impl Sync for OfTheInterrupt {}
+// SAFETY: `start` writes it before it enables the interrupt, which alone uses it from then on; but for `CONTROL` while the
+// interrupt stands aside.
+unsafe impl<T> Sync for OfTheInterrupt<T> {}
 
-static TICK: OfTheInterrupt = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
+static TICK: OfTheInterrupt<Tick> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
+static CONTROL: OfTheInterrupt<Control> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Starts the watchdog and the tick.
 pub(crate) fn start(
@@ -54,36 +61,45 @@ pub(crate) fn start(
     parameters: &Parameters,
     provenance: Provenance,
     reset_cause: Option<Condition>,
-) -> (Reports, Orders) {
+) -> (Reports, Wishes) {
     static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
     static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
-    static ORDER_QUEUE: StaticCell<Queue<Order, ORDERS>> = StaticCell::new();
+    static WISH_QUEUE: StaticCell<Queue<Wish, WISHES>> = StaticCell::new();
     let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
     let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
-    let (order_end, orders) = ORDER_QUEUE.init(Queue::new()).split();
-    let control = ControlLoop::new(parameters, port.counters(), port.drive(), reset_cause);
+    let (wish_end, wishes) = WISH_QUEUE.init(Queue::new()).split();
     start_cycle_counter();
-    let tick = Tick {
-        port,
-        control,
-        standing: Conditions::NONE
-            .with(Condition::ParametersInvalid, provenance == Provenance::Invalid)
-            .with(Condition::ParametersMissing, provenance == Provenance::Missing),
-        orders,
-        frames,
-        verdicts,
-        until_frame: 0,
-        last_begin: DWT::cycle_count(),
-        overrun: false,
-    };
     #[expect(unsafe_code, reason = "the interrupt is not enabled yet")]
-    // SAFETY: nobody else uses it now.
+    // SAFETY: nobody else uses them now.
     unsafe {
-        (*TICK.0.get()).write(tick);
+        (*CONTROL.0.get()).write(Control {
+            core: ControlLoop::new(parameters, port.counters(), port.drive(), reset_cause),
+            standing: Conditions::NONE
+                .with(Condition::ParametersInvalid, provenance == Provenance::Invalid)
+                .with(Condition::ParametersMissing, provenance == Provenance::Missing),
+        });
+        (*TICK.0.get()).write(Tick {
+            port,
+            wishes,
+            frames,
+            verdicts,
+            until_frame: 0,
+            last_begin: DWT::cycle_count(),
+            overrun: false,
+        });
     }
     watchdog::start();
     amplifier::run();
-    (Reports { frames: frame_end, verdicts: verdict_end }, order_end)
+    (Reports { frames: frame_end, verdicts: verdict_end }, wish_end)
+}
+
+/// Other parameters for the tick, which stands aside.
+pub(crate) fn adopt(parameters: &Parameters, _: &TickAside) {
+    #[expect(unsafe_code, reason = "while the tick stands aside, the thread has its control loop")]
+    // SAFETY: there is one `TickAside` at a time, and while there is, the interrupt does not touch `CONTROL`.
+    let control = unsafe { (*CONTROL.0.get()).assume_init_mut() };
+    control.core.adopt(parameters);
+    control.standing = Conditions::NONE;
 }
 
 #[interrupt]
@@ -95,30 +111,21 @@ fn TIM1_UP_TIM10() {
 }
 
 impl Tick {
+    #[inline(always)]
     fn run(&mut self) {
         let begin = DWT::cycle_count();
         amplifier::take_tick();
-        let maintenance = self.maintain();
-        let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE && maintenance != Maintenance::Granted;
+        let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE;
         self.last_begin = begin;
         let sensed = self.port.sense();
-        match self.orders.peek() {
-            Some(Order::Adopt(parameters)) => {
-                // The motors are off and stay off: this tick has no other work.
-                self.port.write(PerMotor::default(), false);
-                self.control.adopt(parameters, self.port.counters(), self.port.drive());
-                self.standing = Conditions::NONE;
-            }
-            Some(Order::Wish(wish)) => {
-                let wish = Some(*wish);
-                self.control(&sensed, missed, maintenance, wish);
-            }
-            None => self.control(&sensed, missed, maintenance, None),
+        #[expect(unsafe_code, reason = "owned by this interrupt unless it stands aside")]
+        // SAFETY: used where it does not stand aside, or does not yet.
+        let control = || unsafe { (*CONTROL.0.get()).assume_init_mut() };
+        if aside::stands(|| control().core.state()) {
+            self.port.write(PerMotor::default(), false);
+        } else {
+            self.control(control(), &sensed, missed);
         }
-        // What was peeked at is done with; nothing is moved.
-        let _ = self.orders.dequeue();
-        LED_PATTERN.store(led::pattern(self.control.state()), Ordering::Relaxed);
-        TICKS.store(self.control.next_tick(), Ordering::Relaxed);
         let cycles = DWT::cycle_count().wrapping_sub(begin);
         if cycles > TICK_CYCLES_MAX.load(Ordering::Relaxed) {
             TICK_CYCLES_MAX.store(cycles, Ordering::Relaxed);
@@ -130,48 +137,46 @@ impl Tick {
     }
 
     /// The core's tick, and what it has to report.
-    fn control(&mut self, sensed: &Sensed, missed: bool, maintenance: Maintenance, wish: Option<Wish>) {
-        let outputs = self.control.tick(&Inputs {
+    #[inline(always)]
+    fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
+        let wish = self.wishes.peek();
+        let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
             current_limit: sensed.current_limit,
-            senses: self
+            senses: control
                 .standing
                 .with(Condition::EmergencyStop, sensed.emergency_stop)
                 .with(Condition::SensorStale, !sensed.fresh)
                 .with(Condition::TickOverrun, self.overrun | missed)
-                .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed))
-                .with(Condition::Saving, maintenance == Maintenance::Granted),
-            heard: HEARD.swap(false, Ordering::Relaxed),
+                .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
+            heard: take(&HEARD),
             wish,
         });
         self.port.write(outputs.duty, outputs.enable);
+        if wish.is_some() {
+            // What was peeked at is done with; nothing is moved.
+            let _ = self.wishes.dequeue();
+        }
         if let Some(verdict) = outputs.verdict {
             // There is one verdict a check, and checks take seconds: there is room.
             let _ = self.verdicts.enqueue(verdict);
         }
+        self.report(&control.core);
+    }
+
+    #[inline(always)]
+    fn report(&mut self, control: &ControlLoop) {
+        LED_PATTERN.store(led::pattern(control.state()), Ordering::Relaxed);
+        TICKS.store(control.next_tick(), Ordering::Relaxed);
         self.until_frame = self.until_frame.saturating_sub(1);
         if self.until_frame == 0 {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
-            if self.frames.enqueue(self.control.frame()).is_err() {
+            if self.frames.enqueue(control.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
             serial::wake();
         }
-    }
-
-    /// Answers a thread that wants to write the flash.
-    fn maintain(&mut self) -> Maintenance {
-        let asked = Maintenance::get();
-        if asked != Maintenance::Wanted {
-            return asked;
-        }
-        let answer = match self.control.state() {
-            State::Disarmed | State::Ready => Maintenance::Granted,
-            State::Checking | State::Armed | State::Fault(_) => Maintenance::Refused,
-        };
-        answer.set();
-        answer
     }
 }
 

@@ -244,7 +244,7 @@ impl BoardLoop {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            wish,
+            wish: wish.as_ref(),
         })
     }
 }

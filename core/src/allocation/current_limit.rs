@@ -119,8 +119,19 @@ impl<R: Real> CurrentLimit<R> {
                 s.resistance * most
             },
         );
-        let limits = VoltsRange::within(limit);
-        VoltsRange { low: limits.clamp(center.minus(room)), high: limits.clamp(center.plus(room)) }
+        // What is in effect is within the limit, and there is always some room: each bound needs looking at from one side.
+        VoltsRange {
+            low: center.minus(room).zip(
+                limit,
+                #[inline(always)]
+                |low, limit| low.max(-limit),
+            ),
+            high: center.plus(room).zip(
+                limit,
+                #[inline(always)]
+                |high, limit| high.min(limit),
+            ),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ pub use current_limit::{CurrentLimit, CurrentLimitSettings};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 use weighted::Weighted;
@@ -84,21 +84,18 @@ pub struct Allocation<R: Real> {
     pub volts: PerMotor<R>,
     /// \[V\] What the torque asked for would have taken. Not finite on a fault.
     pub demand: PerMotor<R>,
-    /// \[N m\] Torque asked for that these volts do not give; zero on a fault, where nothing sensible was asked.
-    pub unallocated_torque: PerAxis<R>,
-    /// Something that went into this tick was NaN or infinite: no volts.
-    pub fault: R::Mask,
 }
 
 impl<R: Real> Allocation<R> {
     /// Nothing asked for, nothing given.
     pub fn none() -> Self {
-        Self {
-            volts: PerMotor::zero(),
-            demand: PerMotor::zero(),
-            unallocated_torque: PerAxis::zero(),
-            fault: R::Mask::splat(false),
-        }
+        Self { volts: PerMotor::zero(), demand: PerMotor::zero() }
+    }
+
+    /// Was something that went into this tick NaN or infinite? Then there are no volts.
+    #[inline(always)]
+    pub fn fault(&self) -> R::Mask {
+        !finite(self.demand)
     }
 
     /// Was more asked of a motor than its limit allows?
@@ -110,9 +107,15 @@ impl<R: Real> Allocation<R> {
     /// Did a motor get other volts than were asked for, whatever the reason?
     #[inline(always)]
     pub fn clipped(&self) -> R::Mask {
-        let differ = self.volts.zip(self.demand, |v, d| v.lt(d) | d.lt(v));
-        differ.main | differ.tail
+        let missing = self.demand.minus(self.volts).map(Real::abs);
+        R::zero().lt(missing.main + missing.tail)
     }
+}
+
+/// Are both? One NaN or infinity makes the sum one.
+#[inline(always)]
+fn finite<R: Real>(volts: PerMotor<R>) -> R::Mask {
+    (volts.main + volts.tail).is_finite()
 }
 
 /// V = K⁻¹ U by the determinant, which is eqs (28)-(29) without their divisions by k_pp and k_yy, and hard limits on the
@@ -126,10 +129,11 @@ pub struct Allocator<R> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(u8)]
 enum Method<R> {
-    Clamp,
     Scale,
     Weighted(Weighted<R>),
+    Clamp,
 }
 
 impl<R: Real> Allocator<R> {
@@ -174,23 +178,28 @@ impl<R: Real> Allocator<R> {
     /// The volts for `demand` within `range`. `hold` is the torque that keeps the pose \[N m\].
     ///
     /// A NaN or an infinity in anything that led here ends as one in the demand (no operation on the way drops
-    /// them), and then both motors get zero: a clamp would turn it into a full voltage.
+    /// them), and in the sum of both; then both motors get zero: a clamp would turn it into a full voltage.
     #[inline(always)]
     pub fn allocate(&self, demand: PerMotor<R>, range: &VoltsRange<R>, hold: PerAxis<R>) -> Allocation<R> {
-        let sound = demand.main.is_finite() & demand.tail.is_finite();
+        let sound = finite(demand);
         let volts = match &self.method {
             Method::Clamp => range.clamp(demand),
             Method::Scale => scaling::scaled(demand, self.demand(hold), range),
             Method::Weighted(weighted) => weighted.solve(demand, range),
         };
-        let volts = volts.map(|v| R::select(sound, v, R::zero()));
-        let missing = self.effectiveness.torque(demand.minus(volts));
-        Allocation {
-            volts,
-            demand,
-            unallocated_torque: missing.map(|t| R::select(sound, t, R::zero())),
-            fault: !sound,
-        }
+        let volts = volts.map(
+            #[inline(always)]
+            |v| R::select(sound, v, R::zero()),
+        );
+        Allocation { volts, demand }
+    }
+
+    /// \[N m\] What of the torque asked for the volts of `allocation` do not give; zero on a fault, where nothing sensible was
+    /// asked.
+    #[inline(always)]
+    pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
+        let missing = self.effectiveness.torque(allocation.demand.minus(allocation.volts));
+        missing.map(|t| R::select(allocation.fault(), R::zero(), t))
     }
 }
 
@@ -232,13 +241,13 @@ mod tests {
                 let a = allocator(&rig, &method);
                 let asked = PerAxis::new(pitch, yaw);
                 let got = a.allocate(a.demand(asked), &VoltsRange::within(rig.volts_limit), PerAxis::zero());
-                let sum = k.torque(got.volts).plus(got.unallocated_torque);
+                let sum = k.torque(got.volts).plus(a.unallocated_torque(&got));
                 prop_assert!((sum.pitch - pitch).abs() < 1e-12 && (sum.yaw - yaw).abs() < 1e-12);
                 prop_assert!(got.volts.main.abs() <= rig.volts_limit.main);
                 prop_assert!(got.volts.tail.abs() <= rig.volts_limit.tail);
                 let over = got.saturated(rig.volts_limit);
                 prop_assert_eq!(over.main || over.tail, got.clipped());
-                prop_assert_eq!(got.clipped(), got.unallocated_torque != PerAxis::zero());
+                prop_assert_eq!(got.clipped(), a.unallocated_torque(&got) != PerAxis::zero());
             }
         }
     }
@@ -250,9 +259,10 @@ mod tests {
             let demands = [PerMotor::new(bad, 1.0), PerMotor::new(1.0, bad)];
             for (demand, method) in demands.into_iter().flat_map(|d| METHODS.map(|m| (d, m))) {
                 let got = allocator(&presets::PAPER, &method).allocate(demand, &range, PerAxis::zero());
-                assert!(got.fault);
+                assert!(got.fault());
                 assert_eq!(got.volts, PerMotor::zero());
-                assert_eq!(got.unallocated_torque, PerAxis::zero());
+                let allocator = allocator(&presets::PAPER, &method);
+                assert_eq!(allocator.unallocated_torque(&got), PerAxis::zero());
             }
         }
     }

@@ -3,6 +3,7 @@ use crate::first_power::{Fault, SETTLE_TICKS};
 use crate::gains::{AxisGains, Gains};
 use crate::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
 use crate::parameters::SAMPLE_TIME;
+use crate::pipeline::Settings;
 use crate::plant::presets::{self, Rig};
 use crate::plant::{RealPlant, State as Body};
 use crate::real::Real;
@@ -85,7 +86,7 @@ impl Bench {
             current_limit: self.current_limit,
             senses: Conditions::NONE,
             heard: self.heard,
-            wish,
+            wish: wish.as_ref(),
         });
         self.plant.advance((self.motors)(self.applied), self.disturbance);
         self.lie_on_stop();

@@ -26,6 +26,12 @@ impl<R: Real> FilteredDerivative<R> {
         Self { keep, take: keep.map(|a| (R::one() - a) / sample_time), last: angle, rate: PerAxis::zero() }
     }
 
+    /// Starts afresh at `angle` \[rad\], at rest.
+    pub fn restart(&mut self, angle: PerAxis<R>) {
+        self.last = angle;
+        self.rate = PerAxis::zero();
+    }
+
     /// Takes the measured angles \[rad\].
     #[inline(always)]
     pub fn update(&mut self, measured: PerAxis<R>) -> Estimate<R> {

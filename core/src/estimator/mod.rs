@@ -13,7 +13,7 @@ pub use luenberger::luenberger;
 pub use observer::{Observer, ObserverGains};
 
 use crate::axes::PerAxis;
-use crate::plant::{RigidBody, State};
+use crate::plant::{Dynamics, RigidBody, State};
 use crate::real::Real;
 use crate::validate::{Invalid, both, positive};
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,23 @@ impl<R: Real> Estimate<R> {
     #[inline(always)]
     pub fn exact(state: State<R>) -> Self {
         Self { state, disturbance: PerAxis::zero() }
+    }
+}
+
+/// An estimate, and what the model says there: estimators and laws both need it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Belief<R> {
+    /// What is believed.
+    pub estimate: Estimate<R>,
+    /// The model at that state.
+    pub dynamics: Dynamics<R>,
+}
+
+impl<R: Real> Belief<R> {
+    /// With `model` taken at the estimate.
+    #[inline(always)]
+    pub fn new(model: &RigidBody<R>, estimate: Estimate<R>) -> Self {
+        Self { estimate, dynamics: model.at(&estimate.state) }
     }
 }
 
@@ -144,14 +161,22 @@ impl<R: Real> Estimator<R> {
 
     /// What the angles measured now \[rad\] say. `torque` \[N m\] is what the motors give from now to the next tick.
     #[inline(always)]
-    pub fn update(&mut self, measured: PerAxis<R>, model: &RigidBody<R>, torque: PerAxis<R>) -> Estimate<R> {
+    pub fn update(&mut self, measured: PerAxis<R>, model: &RigidBody<R>, torque: PerAxis<R>) -> Belief<R> {
         match self {
-            Self::FilteredDerivative(e) => e.update(measured),
+            Self::FilteredDerivative(e) => Belief::new(model, e.update(measured)),
             Self::Observer(o) => {
-                let estimate = o.correct(measured);
-                o.predict(&estimate, model.at(&estimate.state).accel(torque));
-                estimate
+                let belief = Belief::new(model, o.correct(measured));
+                o.predict(&belief.estimate, belief.dynamics.accel(torque));
+                belief
             }
+        }
+    }
+
+    /// Starts afresh at `angle` \[rad\], at rest.
+    pub fn restart(&mut self, angle: PerAxis<R>) {
+        match self {
+            Self::FilteredDerivative(e) => e.restart(angle),
+            Self::Observer(o) => o.restart(angle),
         }
     }
 }

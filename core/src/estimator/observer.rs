@@ -62,6 +62,11 @@ impl<R: Real> Observer<R> {
         }
     }
 
+    /// Starts afresh at `angle` \[rad\], at rest.
+    pub fn restart(&mut self, angle: PerAxis<R>) {
+        self.expected = Estimate::exact(State::at_rest(angle));
+    }
+
     /// Takes the measured angles \[rad\].
     #[inline(always)]
     pub fn correct(&self, measured: PerAxis<R>) -> Estimate<R> {

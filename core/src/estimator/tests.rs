@@ -23,7 +23,7 @@ fn flown(settings: &EstimatorSettings<f64>, disturbance: f64) -> (Estimate<f64>,
         let t = T * f64::from(k);
         let volts = PerMotor::new(5.0 * (3.0 * t).sin(), 4.0 * (2.0 * t).cos());
         let torque = rotors.advance(volts);
-        estimate = estimator.update(measured, &model, torque);
+        estimate = estimator.update(measured, &model, torque).estimate;
         let error = estimate.state.rate.minus(truth.rate);
         if k >= 1000 {
             sum += (error.pitch * error.pitch + error.yaw * error.yaw) / 2000.0;

@@ -63,8 +63,8 @@ fn accel<R: Real>(accel: R, g: &AxisGains<R>, angle_error: R, its_rate: R, rate_
 impl<R: Real> ControlLaw<R> for Backstepping<R> {
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
-        let reference = now.reference;
-        let errors = self.errors(now.estimate, reference);
+        let reference = &now.reference;
+        let errors = self.errors(&now.estimate, reference);
         let rate_of_angle_error = now.rate_error();
         now.dynamics.torque(PerAxis {
             pitch: accel(
@@ -88,6 +88,7 @@ impl<R: Real> ControlLaw<R> for Backstepping<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimator::Belief;
     use crate::gains;
     use crate::plant::{RigidBody, State, presets};
     use proptest::prelude::*;
@@ -109,7 +110,7 @@ mod tests {
                 let mut law = Backstepping::new(Gains::from_paper_order(k));
                 let estimate = Estimate::exact(State { angle, rate });
                 let reference = Reference { angle: want, rate: want_rate, accel: want_accel };
-                let torque = law.torque(&Situation::new(&body, &estimate, &reference));
+                let torque = law.torque(&Situation::new(&body, Belief::new(&body, estimate), reference));
                 let accel = body.at(&estimate.state).accel(torque);
 
                 let e = law.errors(&estimate, &reference);
@@ -134,7 +135,7 @@ mod tests {
             let [a, b, c, d] = gains::PAPER.to_paper_order();
             let estimate = Estimate::exact(State { angle, rate });
             let reference = Reference::at_rest(want);
-            let torque = |k| Backstepping::new(Gains::from_paper_order(k)).torque(&Situation::new(&body, &estimate, &reference));
+            let torque = |k| Backstepping::new(Gains::from_paper_order(k)).torque(&Situation::new(&body, Belief::new(&body, estimate), reference));
             let (one, other) = (torque([a, b, c, d]), torque([b, a, d, c]));
             prop_assert!((one.pitch - other.pitch).abs() < 1e-12);
             prop_assert!((one.yaw - other.yaw).abs() < 1e-12);
@@ -147,7 +148,7 @@ mod tests {
         let angle = PerAxis::new(0.3, -0.5);
         let mut law = Backstepping::new(gains::PAPER);
         let (estimate, reference) = (Estimate::exact(State::at_rest(angle)), Reference::at_rest(angle));
-        let torque = law.torque(&Situation::new(&body, &estimate, &reference));
+        let torque = law.torque(&Situation::new(&body, Belief::new(&body, estimate), reference));
         assert!((torque.pitch - 1.075 * 9.8 * 0.002 * 0.3_f64.cos()).abs() < 1e-15);
         assert_eq!(torque.yaw, 0.0);
     }

@@ -12,6 +12,7 @@
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::real::Real;
 use crate::validate::{Invalid, not_negative, positive};
@@ -90,12 +91,17 @@ impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
     }
 
     #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn restart(&mut self) {
+        self.integral = PerAxis::zero();
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained = now.angle_error().scaled(self.sample_time);
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]
-            |z, e| integrated(z, e, clipped),
+            |z, e| integrated(z, e, allocation.clipped()),
         );
     }
 }

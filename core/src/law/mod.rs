@@ -17,8 +17,9 @@ pub use settings::LawSettings;
 pub use state_feedback::{MotorGains, StateFeedback, StateFeedbackGains};
 pub use super_twisting::{SuperTwisting, SuperTwistingGains};
 
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
-use crate::estimator::Estimate;
+use crate::estimator::{Belief, Estimate};
 use crate::plant::{Dynamics, Effectiveness, RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;
@@ -31,16 +32,16 @@ pub struct Situation<'a, R> {
     /// The model at the estimated state.
     pub dynamics: Dynamics<R>,
     /// What is.
-    pub estimate: &'a Estimate<R>,
+    pub estimate: Estimate<R>,
     /// What should be.
-    pub reference: &'a Reference<R>,
+    pub reference: Reference<R>,
 }
 
 impl<'a, R: Real> Situation<'a, R> {
-    /// With the model taken at the estimate.
+    /// With what was believed by this model.
     #[inline(always)]
-    pub fn new(model: &'a RigidBody<R>, estimate: &'a Estimate<R>, reference: &'a Reference<R>) -> Self {
-        Self { model, dynamics: model.at(&estimate.state), estimate, reference }
+    pub fn new(model: &'a RigidBody<R>, belief: Belief<R>, reference: Reference<R>) -> Self {
+        Self { model, dynamics: belief.dynamics, estimate: belief.estimate, reference }
     }
 
     /// \[rad\] Reference minus estimate.
@@ -68,13 +69,18 @@ pub trait ControlLaw<R: Real> {
     /// The torque \[N m\] that the law asks for, whether or not the motors can give it.
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R>;
 
-    /// Ends the tick: was there a motor that could not give what was asked? A law that integrates does it here.
+    /// Forgets the past, before a new start.
     #[inline(always)]
-    fn settle(&mut self, _now: &Situation<'_, R>, _clipped: R::Mask) {}
+    fn restart(&mut self) {}
+
+    /// Ends the tick: what the motors were made to do about the torque. A law that integrates does it here.
+    #[inline(always)]
+    fn settle(&mut self, _now: &Situation<'_, R>, _allocation: &Allocation<R>) {}
 }
 
-/// Any law, at work.
+/// Any law, at work. (The tag in a place of its own saves the tick from decoding it.)
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(u8)]
 pub enum Law<R> {
     /// See [`Backstepping`].
     Backstepping(Backstepping<R>),
@@ -118,13 +124,24 @@ impl<R: Real> ControlLaw<R> for Law<R> {
     }
 
     #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn restart(&mut self) {
         match self {
-            Self::Backstepping(law) => law.settle(now, clipped),
-            Self::IntegralBackstepping(law) => law.settle(now, clipped),
-            Self::Pid(law) => law.settle(now, clipped),
-            Self::StateFeedback(law) => law.settle(now, clipped),
-            Self::SuperTwisting(law) => law.settle(now, clipped),
+            Self::Backstepping(law) => law.restart(),
+            Self::IntegralBackstepping(law) => law.restart(),
+            Self::Pid(law) => law.restart(),
+            Self::StateFeedback(law) => law.restart(),
+            Self::SuperTwisting(law) => law.restart(),
+        }
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
+        match self {
+            Self::Backstepping(law) => law.settle(now, allocation),
+            Self::IntegralBackstepping(law) => law.settle(now, allocation),
+            Self::Pid(law) => law.settle(now, allocation),
+            Self::StateFeedback(law) => law.settle(now, allocation),
+            Self::SuperTwisting(law) => law.settle(now, allocation),
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::real::Real;
 use crate::validate::{Invalid, not_negative};
@@ -68,12 +69,17 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
     }
 
     #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn restart(&mut self) {
+        self.integral = PerAxis::zero();
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained = self.gains.zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]
-            |z, e| integrated(z, e, clipped),
+            |z, e| integrated(z, e, allocation.clipped()),
         );
     }
 }

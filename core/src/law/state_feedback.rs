@@ -5,6 +5,7 @@
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
+use crate::allocation::Allocation;
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
 use crate::real::Real;
@@ -93,13 +94,18 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
     }
 
     #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn restart(&mut self) {
+        self.integral = PerMotor::zero();
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let limit = self.gains.integral_limit;
         let gained = product(&self.gains.integral, now.angle_error().scaled(self.sample_time));
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]
-            |z, e| integrated(z, e, clipped).clamp(-limit, limit),
+            |z, e| integrated(z, e, allocation.clipped()).clamp(-limit, limit),
         );
     }
 }

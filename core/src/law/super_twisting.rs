@@ -6,6 +6,7 @@
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
+use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::real::Real;
 use crate::validate::{Invalid, not_negative, positive};
@@ -85,7 +86,12 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
     }
 
     #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, clipped: R::Mask) {
+    fn restart(&mut self) {
+        self.integral = PerAxis::zero();
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let gained = self.gains.zip(
             self.surface(now),
             #[inline(always)]
@@ -94,7 +100,7 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]
-            |z, e| integrated(z, e, clipped),
+            |z, e| integrated(z, e, allocation.clipped()),
         );
     }
 }

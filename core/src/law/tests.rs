@@ -23,7 +23,7 @@ proptest! {
         let body = RigidBody::new(&presets::PAPER.plant);
         let estimate = Estimate::exact(State { angle, rate });
         let reference = Reference { angle: want, rate: PerAxis::new(0.3, -0.2), accel };
-        let now = Situation::new(&body, &estimate, &reference);
+        let now = Situation::new(&body, Belief::new(&body, estimate), reference);
         let paper = Backstepping::new(gains::PAPER).torque(&now);
         let ours = IntegralBackstepping::new(gains::PAPER.map(|g| integral(g, 1.0, 0.0)), T).torque(&now);
         prop_assert!((paper.pitch - ours.pitch).abs() < 1e-12 && (paper.yaw - ours.yaw).abs() < 1e-12);
@@ -42,9 +42,9 @@ proptest! {
             let estimate = Estimate::exact(State { angle, rate });
             // One step of 1 s with these errors makes the integral what the test wants it to be.
             let past = Reference::at_rest(angle.plus(history));
-            law.settle(&Situation::new(&body, &estimate, &past), false);
+            law.settle(&Situation::new(&body, Belief::new(&body, estimate), past), &Allocation::none());
             let reference = Reference::at_rest(want);
-            let now = Situation::new(&body, &estimate, &reference);
+            let now = Situation::new(&body, Belief::new(&body, estimate), reference);
             let accel = now.dynamics.accel(law.torque(&now)).to_array();
             let (chi, xa, v) = (history.to_array(), now.angle_error().to_array(), rate.to_array());
             for k in 0..2 {
@@ -102,10 +102,10 @@ fn a_constant_disturbance_leaves_no_offset() {
         let mut state = State::<f64>::default();
         for _ in 0..20_000 {
             let estimate = Estimate::exact(state);
-            let now = Situation::new(&body, &estimate, &goal);
+            let now = Situation::new(&body, Belief::new(&body, estimate), goal);
             let torque = law.torque(&now).plus(push);
             let accel = now.dynamics.accel(torque);
-            law.settle(&now, false);
+            law.settle(&now, &Allocation::none());
             state.rate = state.rate.plus(accel.scaled(T));
             state.angle = state.angle.plus(state.rate.scaled(T));
         }
@@ -119,6 +119,6 @@ fn what_is_fed_forward_holds_the_reference() {
     let body = RigidBody::new(&presets::HELI.plant);
     let goal = PerAxis::new(0.2, 0.0);
     let (estimate, reference) = (Estimate::exact(State::at_rest(goal)), Reference::at_rest(goal));
-    let now = Situation::new(&body, &estimate, &reference);
+    let now = Situation::new(&body, Belief::new(&body, estimate), reference);
     assert_eq!(now.feed_forward(), now.dynamics.opposing);
 }

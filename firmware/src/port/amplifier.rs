@@ -20,6 +20,12 @@ const HALF_PERIODS: u16 = 40;
 /// Compare steps from zero to the full supply.
 pub(crate) const FULL_STEPS: u32 = 2_100;
 
+/// \[counts\] Zero volts.
+const NO_VOLTS: u16 = match AMPLIFIER {
+    Amplifier::LockedAntiphase => TOP / 2,
+    Amplifier::SignMagnitude => 0,
+};
+
 /// What a duty means to the amplifiers.
 #[derive(Clone, Copy)]
 pub(crate) enum Amplifier {
@@ -108,14 +114,14 @@ pub(crate) fn run() {
 pub(crate) fn set(steps: PerMotor<i32>) {
     match AMPLIFIER {
         Amplifier::LockedAntiphase => {
-            compare(0, steps.main + FULL_STEPS as i32);
-            compare(1, steps.tail + FULL_STEPS as i32);
+            compare(0, steps.main.wrapping_add(FULL_STEPS as i32));
+            compare(1, steps.tail.wrapping_add(FULL_STEPS as i32));
         }
         Amplifier::SignMagnitude => {
-            compare(0, 2 * steps.main.max(0));
-            compare(2, -2 * steps.main.min(0));
-            compare(1, 2 * steps.tail.max(0));
-            compare(3, -2 * steps.tail.min(0));
+            compare(0, steps.main.max(0).wrapping_mul(2));
+            compare(2, steps.main.min(0).wrapping_mul(-2));
+            compare(1, steps.tail.max(0).wrapping_mul(2));
+            compare(3, steps.tail.min(0).wrapping_mul(-2));
         }
     }
 }
@@ -138,7 +144,8 @@ pub(crate) fn take_tick() {
     });
 }
 
+/// A value that cannot be, which the core never gives, is zero volts.
 fn compare(channel: usize, value: i32) {
-    let value = u16::try_from(value).unwrap_or(TOP / 2).min(TOP);
+    let value = u16::try_from(value).ok().filter(|&value| value <= TOP).unwrap_or(NO_VOLTS);
     PWM.ccr(channel).write(|w| w.set_ccr(value));
 }

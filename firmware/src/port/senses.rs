@@ -1,7 +1,7 @@
 //! What there is to see beside the encoders: supply voltage, emergency stop, the amplifiers' current limit.
 
 use crate::board::{self, EMERGENCY_STOP, SUPPLY};
-use crate::shared::STOP_EDGE;
+use crate::shared::{STOP_EDGE, take};
 use core::sync::atomic::Ordering;
 use embassy_stm32::adc::Adc;
 use embassy_stm32::gpio::{Flex, Input};
@@ -25,8 +25,8 @@ pub(crate) struct Sensed {
 
 /// The inputs.
 pub(crate) struct Senses {
-    emergency_stop: Flex<'static>,
-    current_limit: Input<'static>,
+    _emergency_stop: Flex<'static>,
+    _current_limit: Input<'static>,
     _supply: Flex<'static>,
     _adc: Adc<'static, ADC1>,
 }
@@ -45,7 +45,7 @@ impl Senses {
         regs.sqr3().modify(|w| w.set_sq(0, channel));
         regs.cr2().modify(|w| w.set_swstart(true));
         listen_to_emergency_stop();
-        Self { emergency_stop, current_limit, _supply: supply, _adc: adc }
+        Self { _emergency_stop: emergency_stop, _current_limit: current_limit, _supply: supply, _adc: adc }
     }
 
     /// What the last conversion gave; starts the next.
@@ -57,8 +57,8 @@ impl Senses {
         Sensed {
             supply: f32::from(code) * (full_scale / 4095.0),
             fresh,
-            emergency_stop: self.emergency_stop.is_high() | STOP_EDGE.swap(false, Ordering::Relaxed),
-            current_limit: self.current_limit.is_low(),
+            emergency_stop: board::emergency_stop() | take(&STOP_EDGE),
+            current_limit: board::current_limit(),
         }
     }
 }

@@ -9,7 +9,7 @@ mod compare;
 mod flash;
 mod reproduce;
 mod simulate;
-mod tables;
+pub mod tables;
 mod tune;
 mod tune_report;
 mod tune_robust;

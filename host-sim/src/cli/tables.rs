@@ -31,7 +31,7 @@ pub(super) fn percent(value: Option<f64>) -> String {
 }
 
 /// What a flight came to: a table of the axes and one of the motors.
-pub(super) fn report(report: &Report) -> String {
+pub fn report(report: &Report) -> String {
     let mut axes = table(&["", "pitch", "yaw"]);
     let settling =
         |a: &AxisReport, time| if a.overshoot_percent.is_some() { seconds(time) } else { percent(None) };

@@ -3,66 +3,89 @@
 
 use std::fmt;
 
+use crate::board::CORE_HZ;
 use crate::firmware::Firmware;
 use crate::station::Station;
 
 /// \[%\] How much a figure may grow before a test fails.
 pub const GROWTH_PERCENT: u64 = 5;
 
-/// A firmware's figures.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Figures {
-    /// What the image takes of the flash.
-    pub loadable_bytes: u64,
-    /// What its statics take of the RAM, the stack aside.
-    pub static_ram_bytes: u64,
-    /// From the entry of the tick's interrupt to its return, armed.
-    pub tick_instructions_min: u64,
-    /// See [`Figures::tick_instructions_min`].
-    pub tick_instructions_median: u64,
+/// What the tick and the stack take while a controller flies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InFlight {
+    /// From the entry of the tick's interrupt to its return, armed, every tick's telemetry captured.
+    pub tick_min: u64,
+    /// See [`InFlight::tick_min`].
+    pub tick_median: u64,
     /// The same, of every tick since boot.
-    pub tick_instructions_max: u64,
+    pub tick_max: u64,
+    /// \[%\] Of the instructions that the core had time for, those that it did not need.
+    pub idle_percent: f64,
     /// The most of the stack that was ever used.
     pub stack_bytes_used: u64,
     /// All of the stack.
     pub stack_bytes: u64,
 }
 
-/// The table: a line for each compiler, named as in the ELF.
-const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/figures.csv");
-/// The table's columns.
-const COLUMNS: &str =
-    "compiler,loadable_bytes,static_ram_bytes,tick_instructions_median,tick_instructions_max";
-
-impl Figures {
-    /// Measures a firmware that flies at `station`, by two seconds of it.
+impl InFlight {
+    /// Measures the firmware that flies at `station`, by two seconds of it.
     ///
     /// # Panics
     ///
     /// If the firmware reaches something that is not modelled.
-    pub fn measure(firmware: &Firmware, station: &mut Station) -> Self {
+    pub fn measure(station: &mut Station) -> Self {
+        const MILLISECONDS: u64 = 2_000;
         let before = station.machine.with(|board| board.ticks().len());
-        station.run(2_000);
+        let (_, executed) = station.machine.now();
+        station.run(MILLISECONDS);
+        let (_, all) = station.machine.now();
         let (_, ticks) = station.machine.trace();
         let instructions = |from: usize| {
             let mut counts: Vec<u64> = ticks[from..].iter().map(|tick| tick.instructions).collect();
             counts.sort_unstable();
             counts
         };
-        let (all, flown) = (instructions(0), instructions(before));
+        let (since_boot, flown) = (instructions(0), instructions(before));
         let (used, size) = station.machine.with(|board| {
             let (low, high) = (board.symbol("_stack_end"), board.symbol("_stack_start"));
             (board.stack_used(low, high), high - low)
         });
+        #[expect(clippy::cast_precision_loss, reason = "a share")]
+        let busy = (all - executed) as f64 / (CORE_HZ / 1_000 * MILLISECONDS) as f64;
         Self {
-            loadable_bytes: firmware.flash_size(),
-            static_ram_bytes: firmware.ram_size(),
-            tick_instructions_min: flown[0],
-            tick_instructions_median: flown[flown.len() / 2],
-            tick_instructions_max: all[all.len() - 1],
+            tick_min: flown[0],
+            tick_median: flown[flown.len() / 2],
+            tick_max: since_boot[since_boot.len() - 1],
+            idle_percent: 100.0 * (1.0 - busy),
             stack_bytes_used: used,
             stack_bytes: size,
         }
+    }
+}
+
+/// A firmware's figures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// What the image takes of the flash.
+    pub loadable_bytes: u64,
+    /// What its statics take of the RAM, the stack aside.
+    pub static_ram_bytes: u64,
+    /// With the paper's law.
+    pub papers: InFlight,
+    /// With the controller that is built in, tuned for a rig.
+    pub rigs: InFlight,
+}
+
+/// The table: a line for each compiler, named as in the ELF.
+const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/figures.csv");
+/// The table's columns.
+const COLUMNS: &str = "compiler,loadable_bytes,static_ram_bytes,tick_instructions_median,tick_instructions_max,\
+                       rig_tick_instructions_median,rig_tick_instructions_max";
+
+impl Figures {
+    /// Of a firmware that flew so.
+    pub fn new(firmware: &Firmware, papers: InFlight, rigs: InFlight) -> Self {
+        Self { loadable_bytes: firmware.flash_size(), static_ram_bytes: firmware.ram_size(), papers, rigs }
     }
 
     /// Whether every figure is within what the project allows itself.
@@ -71,19 +94,25 @@ impl Figures {
     ///
     /// Says which is not.
     pub fn within_budget(&self) -> Result<(), String> {
+        let (papers, rigs) = (&self.papers, &self.rigs);
         let budget = [
             ("loadable_bytes", self.loadable_bytes, 64 << 10),
             ("static_ram_bytes", self.static_ram_bytes, 16 << 10),
-            // The goal is 1,000 and 1,500 with the paper's law. With every law and observer aboard the pipeline's choices
-            // cost a few instructions a tick, and building them at arming makes the longest one.
-            ("tick_instructions_median", self.tick_instructions_median, 1_050),
-            ("tick_instructions_max", self.tick_instructions_max, 1_800),
-            ("stack_bytes_used", self.stack_bytes_used, self.stack_bytes / 2),
+            ("tick_instructions_median", papers.tick_median, 1_000),
+            ("tick_instructions_max", papers.tick_max, 1_500),
+            ("rig_tick_instructions_median", rigs.tick_median, 1_200),
+            ("rig_tick_instructions_max", rigs.tick_max, 1_600),
+            ("stack_bytes_used", papers.stack_bytes_used.max(rigs.stack_bytes_used), rigs.stack_bytes / 2),
         ];
-        let over = budget.into_iter().find(|(_, value, most)| value > most);
-        over.map_or(Ok(()), |(name, value, most)| {
-            Err(format!("{name} is {value}, allowed are {most}; {self}"))
-        })
+        if let Some((name, value, most)) = budget.into_iter().find(|(_, value, most)| value > most) {
+            return Err(format!("{name} is {value}, allowed are {most}; {self}"));
+        }
+        let idle = papers.idle_percent.min(rigs.idle_percent);
+        if idle < 97.0 {
+            Err(format!("the core idles {idle:.1} % of its time, at least 97 are wanted"))
+        } else {
+            Ok(())
+        }
     }
 
     /// Whether no figure has grown by more than [`GROWTH_PERCENT`] over that kept for the firmware's compiler.
@@ -120,13 +149,30 @@ impl Figures {
     }
 
     /// The figures that are kept, by the names of [`COLUMNS`].
-    fn columns(&self) -> [(&'static str, u64); 4] {
+    fn columns(&self) -> [(&'static str, u64); 6] {
         [
             ("loadable_bytes", self.loadable_bytes),
             ("static_ram_bytes", self.static_ram_bytes),
-            ("tick_instructions_median", self.tick_instructions_median),
-            ("tick_instructions_max", self.tick_instructions_max),
+            ("tick_instructions_median", self.papers.tick_median),
+            ("tick_instructions_max", self.papers.tick_max),
+            ("rig_tick_instructions_median", self.rigs.tick_median),
+            ("rig_tick_instructions_max", self.rigs.tick_max),
         ]
+    }
+}
+
+impl fmt::Display for InFlight {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            to,
+            "a tick takes {} to {} instructions, {} by the median; the core idles {:.1} %; {} of {} bytes of stack used",
+            self.tick_min,
+            self.tick_max,
+            self.tick_median,
+            self.idle_percent,
+            self.stack_bytes_used,
+            self.stack_bytes
+        )
     }
 }
 
@@ -134,15 +180,8 @@ impl fmt::Display for Figures {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             to,
-            "{} bytes of flash, {} of static RAM; a tick takes {} to {} instructions, {} by the median; {} of {} \
-             bytes of stack used",
-            self.loadable_bytes,
-            self.static_ram_bytes,
-            self.tick_instructions_min,
-            self.tick_instructions_max,
-            self.tick_instructions_median,
-            self.stack_bytes_used,
-            self.stack_bytes
+            "{} bytes of flash, {} of static RAM\nthe paper's law: {}\nthe built-in controller: {}",
+            self.loadable_bytes, self.static_ram_bytes, self.papers, self.rigs
         )
     }
 }

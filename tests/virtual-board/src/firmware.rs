@@ -1,8 +1,9 @@
 //! A firmware's ELF: what to load, its symbols, and where its functions return.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::image::Image;
@@ -11,6 +12,8 @@ use rigless::image::Image;
 #[derive(Debug, Clone)]
 pub struct Firmware {
     image: Image,
+    /// The file.
+    bytes: Arc<[u8]>,
     /// Functions by address: name and size.
     functions: BTreeMap<u64, (String, u64)>,
     /// Everything by its demangled or linker name: address and size.
@@ -110,12 +113,17 @@ impl Firmware {
         let compiler = elf.section_by_name(".comment").and_then(|section| section.data().ok().map(compiler));
         let compiler = compiler.unwrap_or_default();
         let image = Image::new(path, bytes.clone(), None).map_err(|why| refuse(why.to_string()))?;
-        Ok(Self { image, functions, symbols, code, flash_size, ram_size, compiler })
+        Ok(Self { image, bytes: bytes.into(), functions, symbols, code, flash_size, ram_size, compiler })
     }
 
     /// What the emulator loads.
     pub fn image(&self) -> &Image {
         &self.image
+    }
+
+    /// The file itself.
+    pub fn bytes(&self) -> &Arc<[u8]> {
+        &self.bytes
     }
 
     /// [bytes] of flash that the image takes.
@@ -138,6 +146,11 @@ impl Firmware {
         self.symbols.get(name).map(|&(address, _)| address)
     }
 
+    /// [bytes] Every symbol's name and size.
+    pub fn sizes(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.symbols.iter().map(|(name, &(_, size))| (name.as_str(), size))
+    }
+
     /// Every symbol's name.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.symbols.keys().map(String::as_str)
@@ -149,6 +162,47 @@ impl Firmware {
             Some((start, name, _)) => format!("{name}+{:#x}", address - start),
             None => format!("{address:#010x}"),
         }
+    }
+
+    /// The name of the function that `address` lies in, and where it begins.
+    pub fn function(&self, address: u64) -> Option<(u64, &str)> {
+        self.function_at(address).map(|(start, name, _)| (start, name))
+    }
+
+    /// The addresses of every instruction of function `name` and of all that it calls or ends in.
+    pub fn closure(&self, name: &str) -> BTreeSet<u64> {
+        let mut instructions = BTreeSet::new();
+        let mut seen = BTreeSet::new();
+        let mut waiting: Vec<u64> = self.address(name).into_iter().collect();
+        while let Some(start) = waiting.pop() {
+            if !seen.insert(start) {
+                continue;
+            }
+            for (at, flow) in self.instructions(start) {
+                instructions.insert(at);
+                if let Flow::Jump(target) | Flow::Call(target) = flow
+                    && let Some((callee, _, _)) = self.function_at(target)
+                {
+                    waiting.push(callee);
+                }
+            }
+        }
+        instructions
+    }
+
+    /// The instructions of the function that begins at `start`, and what each does to the flow of control. Literals
+    /// between them are taken for instructions as well, at addresses where the core never arrives.
+    fn instructions(&self, start: u64) -> Vec<(u64, Flow)> {
+        let end = self.function_at(start).map_or(start, |(start, _, size)| start + size);
+        let (mut at, mut found) = (start, Vec::new());
+        while at < end
+            && let Some(first) = self.halfword(at)
+        {
+            let second = self.halfword(at + 2).unwrap_or(0);
+            found.push((at, Flow::of(at, first, second)));
+            at += if is_wide(first) { 4 } else { 2 };
+        }
+        found
     }
 
     fn function_at(&self, address: u64) -> Option<(u64, &str, u64)> {
@@ -167,29 +221,18 @@ impl Firmware {
     /// functions it ends by jumping into among them.
     pub fn returns(&self, name: &str) -> Vec<u64> {
         let mut returns = Vec::new();
-        let mut seen = Vec::new();
+        let mut seen = BTreeSet::new();
         let mut waiting: Vec<u64> = self.address(name).into_iter().collect();
         while let Some(start) = waiting.pop() {
-            if seen.contains(&start) {
-                continue;
-            }
-            seen.push(start);
-            let Some((_, _, size)) = self.function_at(start) else {
+            let Some((_, _, size)) = self.function_at(start).filter(|_| seen.insert(start)) else {
                 continue;
             };
-            let mut at = start;
-            while at < start + size {
-                let Some(first) = self.halfword(at) else {
-                    break;
-                };
-                let second = self.halfword(at + 2).unwrap_or(0);
-                let outside = |target: &u64| !(start..start + size).contains(target);
-                match Flow::of(at, first, second) {
+            for (at, flow) in self.instructions(start) {
+                match flow {
                     Flow::Return => returns.push(at),
-                    Flow::Jump(target) if outside(&target) => waiting.push(target),
-                    Flow::Jump(_) | Flow::On => {}
+                    Flow::Jump(target) if !(start..start + size).contains(&target) => waiting.push(target),
+                    Flow::Jump(_) | Flow::Call(_) | Flow::On => {}
                 }
-                at += if is_wide(first) { 4 } else { 2 };
             }
         }
         returns
@@ -218,11 +261,12 @@ fn is_wide(first: u16) -> bool {
 enum Flow {
     Return,
     Jump(u64),
+    Call(u64),
     On,
 }
 
 impl Flow {
-    /// DDI 0403E A7.7: BX LR, POP {.., PC}, LDM SP!, {.., PC}, LDR PC, [SP], #4, and unconditional B.
+    /// DDI 0403E A7.7: BX LR, POP {.., PC}, LDM SP!, {.., PC}, LDR PC, [SP], #4, unconditional B, and BL.
     fn of(at: u64, first: u16, second: u16) -> Self {
         match (first, second) {
             (0x4770, _) => Self::Return,
@@ -233,7 +277,7 @@ impl Flow {
                 let offset = i64::from((first << 5).cast_signed() >> 4);
                 Self::Jump((at + 4).wrapping_add_signed(offset))
             }
-            _ if first >> 11 == 0b11110 && second & 0xD000 == 0x9000 => {
+            _ if first >> 11 == 0b11110 && second & 0x9000 == 0x9000 => {
                 let bit = |value: u16, bit: u32| i64::from(value >> bit & 1);
                 let sign = bit(first, 10);
                 let i1 = 1 - (bit(second, 13) ^ sign);
@@ -243,7 +287,8 @@ impl Flow {
                     | i2 << 22
                     | i64::from(first & 0x3FF) << 12
                     | i64::from(second & 0x7FF) << 1;
-                Self::Jump((at + 4).wrapping_add_signed(offset))
+                let target = (at + 4).wrapping_add_signed(offset);
+                if second & 0x4000 == 0 { Self::Jump(target) } else { Self::Call(target) }
             }
             _ => Self::On,
         }

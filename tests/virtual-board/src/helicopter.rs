@@ -5,7 +5,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::encoder::angle_per_count;
 use twinrotor::parameters::SAMPLE_TIME;
 use twinrotor::plant::presets;
-use twinrotor::plant::{RealPlant, State};
+use twinrotor::plant::{PlantParameters, RealPlant, State};
 use twinrotor::real::Real;
 
 use crate::board::{Inputs, Outputs};
@@ -34,6 +34,7 @@ pub struct Broken {
 /// A helicopter on the bench.
 #[derive(Debug, Clone)]
 pub struct Helicopter {
+    parameters: PlantParameters<f64>,
     plant: RealPlant<f32>,
     counts_per_angle: PerAxis<f32>,
     /// \[counts\] What the shafts have turned, and what the encoders have shown of it.
@@ -58,6 +59,7 @@ impl Helicopter {
     pub fn new(rig: &presets::Rig, supply: f64) -> Self {
         let start = State::at_rest(rig.rest_angle.map(f32::from_f64));
         let mut helicopter = Self {
+            parameters: rig.plant,
             plant: RealPlant::new(&rig.plant, start, SAMPLE_TIME),
             counts_per_angle: rig.encoder_counts.map(|counts| 1.0 / angle_per_count::<f32>(counts)),
             turned: PerAxis::both(0),
@@ -97,6 +99,8 @@ impl Helicopter {
     /// Somebody catches it, and holds it there until the amplifiers are switched on again.
     pub fn hold(&mut self) {
         self.held = true;
+        let caught = State::at_rest(self.plant.state().angle);
+        self.plant = RealPlant::new(&self.parameters, caught, SAMPLE_TIME);
     }
 
     /// Where it is.

@@ -31,6 +31,9 @@ pub use lockstep::{Live, TickRecord};
 /// One millisecond of virtual time.
 pub const MILLISECOND: u64 = 1_000_000;
 
+/// The control tick: TIM1's update interrupt.
+pub const TICK: &str = "TIM1_UP_TIM10";
+
 /// What the board is connected to.
 pub trait Rig: Any + Send {
     /// A millisecond passes with the board's `outputs` in effect: what the rig's sensors say at its end.
@@ -83,7 +86,7 @@ impl Setup {
         Self {
             firmware,
             images: Vec::new(),
-            tick: "TIM1_UP_TIM10",
+            tick: TICK,
             seed: 1,
             refusals_allowed: false,
             protects_memory: false,

@@ -1,6 +1,7 @@
 //! The emulator's driver: the millisecond stops, the rig, and the count of what a control tick takes.
 
 use std::any::Any;
+use std::collections::BTreeSet;
 use std::sync::mpsc::{Receiver, SyncSender};
 
 use rigless::emulator::{Driver, Hit, Host, Settled, Stop, Watch};
@@ -42,8 +43,12 @@ pub(super) struct Lockstep {
     started: bool,
     /// The tick's interrupt: its first instruction, those that leave it, and the tick under way.
     entry: Option<u64>,
+    exits: BTreeSet<u64>,
     under_way: Option<(VirtualNanos, u64)>,
     ticks: Vec<TickRecord>,
+    /// Watched to follow ticks instruction by instruction, and where they went since.
+    followed: BTreeSet<u64>,
+    path: Vec<u64>,
     trace: Vec<Outputs>,
     inputs: Option<Inputs>,
     held: bool,
@@ -65,7 +70,8 @@ impl Lockstep {
             let why = format!("the firmware has no function {}", setup.tick);
             return Err(Failure(why));
         }
-        for address in entry.into_iter().chain(setup.firmware.returns(setup.tick)) {
+        let exits: BTreeSet<u64> = setup.firmware.returns(setup.tick).into_iter().collect();
+        for &address in entry.iter().chain(&exits) {
             session.watch(Watch::Instruction(address));
         }
         Ok(Self {
@@ -77,8 +83,11 @@ impl Lockstep {
             reached: None,
             started: false,
             entry,
+            exits,
             under_way: None,
             ticks: Vec::new(),
+            followed: BTreeSet::new(),
+            path: Vec::new(),
             trace: Vec::new(),
             inputs: None,
             held: false,
@@ -89,7 +98,13 @@ impl Lockstep {
     fn note(&mut self, hit: Hit) {
         if Some(hit.address) == self.entry {
             self.under_way = Some((hit.at, hit.instruction_count));
-        } else if let Some((at, count)) = self.under_way.take() {
+        }
+        if self.under_way.is_some() && !self.followed.is_empty() {
+            self.path.push(hit.address);
+        }
+        if self.exits.contains(&hit.address)
+            && let Some((at, count)) = self.under_way.take()
+        {
             self.ticks.push(TickRecord { at, instructions: hit.instruction_count - count + 1 });
         }
     }
@@ -242,6 +257,23 @@ impl Live<'_> {
     /// Every control tick since the start.
     pub fn ticks(&self) -> &[TickRecord] {
         &self.lockstep.ticks
+    }
+
+    /// Follows the ticks from now on, instruction by instruction, through `instructions`; or no more, with none. It is a
+    /// hundred times slower.
+    pub fn follow(&mut self, instructions: BTreeSet<u64>) {
+        for &address in self.lockstep.followed.difference(&instructions) {
+            self.session.unwatch(Watch::Instruction(address));
+        }
+        for &address in instructions.difference(&self.lockstep.followed) {
+            self.session.watch(Watch::Instruction(address));
+        }
+        self.lockstep.followed = instructions;
+    }
+
+    /// Where the ticks that were followed went, instruction by instruction, since the last call.
+    pub fn take_path(&mut self) -> Vec<u64> {
+        std::mem::take(&mut self.lockstep.path)
     }
 
     /// Every reset since the start.

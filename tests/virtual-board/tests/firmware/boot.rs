@@ -3,18 +3,26 @@
 use twinrotor::control_loop::Wish;
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::ToBoard;
+use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{Condition, Request, State};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Setup;
+use virtual_board::record;
 use virtual_board::station::Station;
 
-use super::{board_with, firmware, make_ready, parameters, rest, start};
+use super::parameters::read;
+use super::{board_with, firmware, make_ready, papers, rest, start};
 
 #[test]
 fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
     let mut station = start(Setup::new(firmware()), &presets::PAPER);
     station.run(100);
+    assert_eq!(
+        read(&mut station),
+        Parameters { checked: false, ..record::tuned(record::BUILT_IN).1 },
+        "what it would fly is tuned"
+    );
     let identity = station.heard.identities.first().expect("it introduces itself");
     assert_eq!((identity.chip.as_str(), identity.reset), ("stm32f405rg", None));
     let lacks = station.heard.conditions();
@@ -31,7 +39,7 @@ fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
 #[test]
 fn a_board_with_good_parameters_is_ready_once_zeroed() {
     let rig = presets::PAPER;
-    let mut station = board_with(&rig, &parameters(&rig));
+    let mut station = board_with(&rig, &papers(&rig));
     station.run(200);
     assert_eq!(station.heard.conditions(), [Condition::NotZeroed]);
     make_ready(&mut station);
@@ -42,7 +50,7 @@ fn a_board_with_good_parameters_is_ready_once_zeroed() {
 /// What the first-power check says of a rig after `spoil` broke it.
 fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
     let rig = presets::AERO;
-    let mut unchecked = parameters(&rig);
+    let mut unchecked = papers(&rig);
     unchecked.checked = false;
     let mut station = board_with(&rig, &unchecked);
     station.machine.rig(move |helicopter: &mut Helicopter| spoil(helicopter));
@@ -93,8 +101,8 @@ fn two_runs_are_the_same_to_the_instruction_and_another_seed_changes_no_output()
     let run = |seed, protects_memory| {
         let rig = presets::PAPER;
         let setup = Setup { protects_memory, ..Setup::new(firmware()).with_seed(seed) };
-        let image = super::image(&[parameters(&rig)]);
-        let mut station = start(setup.with_image(super::PARAMETERS, image), &rig);
+        let image = super::image(&[papers(&rig)]);
+        let mut station = start(setup.with_image(super::ADDRESS, image), &rig);
         make_ready(&mut station);
         station.request(Request::Arm);
         station.run(300);

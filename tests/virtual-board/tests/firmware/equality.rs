@@ -11,8 +11,9 @@ use twinrotor::reference::Reference;
 use twinrotor::supervisor::{Condition, Conditions, Request, State};
 use twinrotor::telemetry::Frame;
 use virtual_board::helicopter::Helicopter;
+use virtual_board::record;
 
-use super::{board_with, make_ready, parameters};
+use super::{board_with, make_ready, papers};
 
 /// Ticks in the air.
 const TICKS: usize = 10_000;
@@ -21,6 +22,8 @@ const TICKS: usize = 10_000;
 struct Host {
     helicopter: Helicopter,
     control: ControlLoop,
+    /// The loop and the counters before the last tick.
+    before_last: Option<(ControlLoop, PerAxis<u32>)>,
     drive: Drive<f32>,
     supply: f32,
     full_steps: i64,
@@ -34,24 +37,50 @@ impl Host {
         let drive = Drive::new(rig.pwm_steps);
         let control = ControlLoop::new(parameters, helicopter.counters(), drive, None);
         let supply = helicopter.measured_supply();
-        Self { helicopter, control, drive, supply, full_steps: i64::from(rig.pwm_steps), before: None }
+        Self {
+            helicopter,
+            control,
+            before_last: None,
+            drive,
+            supply,
+            full_steps: i64::from(rig.pwm_steps),
+            before: None,
+        }
     }
 
     fn compute(&self, wish: Option<Wish>) -> (ControlLoop, Outputs) {
-        let mut control = self.control;
+        self.tick(self.control, self.helicopter.counters(), wish)
+    }
+
+    /// The last tick once more with `wish`, of which its telemetry and its volts told nothing, since a command filter lets a
+    /// jump through one tick later; then this tick.
+    fn compute_late(&self, wish: Wish) -> Option<(ControlLoop, Outputs)> {
+        let (control, counters) = self.before_last?;
+        let (corrected, _) = self.tick(control, counters, Some(wish));
+        (bits(&corrected.frame()) == bits(&self.control.frame()))
+            .then(|| self.tick(corrected, self.helicopter.counters(), None))
+    }
+
+    fn tick(
+        &self,
+        mut control: ControlLoop,
+        counters: PerAxis<u32>,
+        wish: Option<Wish>,
+    ) -> (ControlLoop, Outputs) {
         let outputs = control.tick(&Inputs {
-            counters: self.helicopter.counters(),
+            counters,
             supply: self.supply,
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            wish,
+            wish: wish.as_ref(),
         });
         (control, outputs)
     }
 
     /// Takes a tick that was computed. Answers the compare values that are latched at it.
     fn take(&mut self, (control, outputs): (ControlLoop, Outputs)) -> [i64; 2] {
+        self.before_last = Some((self.control, self.helicopter.counters()));
         self.control = control;
         let duty = self.before.map_or(PerMotor::default(), |before| before.duty);
         let volts = if outputs.enable { self.drive.volts(duty, self.supply) } else { PerMotor::zero() };
@@ -62,8 +91,8 @@ impl Host {
 }
 
 /// Flies on the board, setpoint after setpoint; answers every frame and the latched compare values after each tick.
-fn fly(rig: &Rig, setpoints: &[PerAxis<f32>]) -> (Vec<Frame>, Vec<[i64; 2]>) {
-    let mut station = board_with(rig, &parameters(rig));
+fn fly(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) -> (Vec<Frame>, Vec<[i64; 2]>) {
+    let mut station = board_with(rig, parameters);
     station.send(&ToBoard::Telemetry { every: 1 });
     make_ready(&mut station);
     station.aim(setpoints[0]);
@@ -94,12 +123,12 @@ fn bits(frame: &Frame) -> Vec<u32> {
     axes.chain(motors).chain([frame.supply]).map(f32::to_bits).collect()
 }
 
-fn assert_equal(rig: &Rig, setpoints: &[PerAxis<f32>]) {
-    let (frames, compares) = fly(rig, setpoints);
+fn assert_equal(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) {
+    let (frames, compares) = fly(rig, parameters, setpoints);
     let zeroed = frames.iter().position(|frame| !frame.conditions.contains(Condition::NotZeroed));
     let zeroed = frames[zeroed.expect("it was zeroed")].tick;
     let armed = frames.iter().find(|frame| frame.state == State::Armed).expect("it was armed").tick;
-    let mut host = Host::new(rig, &parameters(rig));
+    let mut host = Host::new(rig, parameters);
     let mut waiting = setpoints.iter();
     let mut compared = 0;
     let mut frames = frames.iter().peekable();
@@ -116,8 +145,14 @@ fn assert_equal(rig: &Rig, setpoints: &[PerAxis<f32>]) {
             && bits(frame) != bits(&computed.0.frame())
             && let Some(&setpoint) = waiting.next()
         {
-            // A setpoint that came over the link comes into this tick.
-            computed = host.compute(Some(Wish::Setpoint(Reference::at_rest(setpoint))));
+            // A setpoint that came over the link came into this tick, or into the last one.
+            let wish = Wish::Setpoint(Reference::at_rest(setpoint));
+            computed = host.compute(Some(wish));
+            if bits(frame) != bits(&computed.0.frame())
+                && let Some(late) = host.compute_late(wish)
+            {
+                computed = late;
+            }
         }
         if let Some(frame) = frame
             && tick >= zeroed
@@ -146,20 +181,29 @@ const BACK: PerAxis<f32> = PerAxis { pitch: -0.05, yaw: 0.1 };
 
 #[test]
 fn the_papers_rig_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::PAPER, &[STEP, BACK]);
+    assert_equal(&presets::PAPER, &papers(&presets::PAPER), &[STEP, BACK]);
 }
 
 #[test]
 fn an_aero_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::AERO, &[STEP, BACK, STEP]);
+    assert_equal(&presets::AERO, &papers(&presets::AERO), &[STEP, BACK, STEP]);
 }
 
 #[test]
 fn an_aero_2_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::AERO2, &[STEP]);
+    assert_equal(&presets::AERO2, &papers(&presets::AERO2), &[STEP]);
 }
 
 #[test]
 fn an_aero_with_real_friction_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::AERO_LAB, &[BACK, STEP]);
+    assert_equal(&presets::AERO_LAB, &papers(&presets::AERO_LAB), &[BACK, STEP]);
+}
+
+/// The controllers tuned for each preset: every law, estimator and allocation that a board boots with.
+#[test]
+fn every_tuned_controller_flies_on_the_board_as_on_the_host() {
+    for (name, _) in presets::ALL {
+        let (rig, parameters) = record::tuned(name);
+        assert_equal(&rig, &parameters, &[STEP, BACK]);
+    }
 }

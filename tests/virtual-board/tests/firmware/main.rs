@@ -14,47 +14,24 @@ use std::sync::OnceLock;
 use twinrotor::axes::PerAxis;
 use twinrotor::control_loop::Wish;
 use twinrotor::first_power::STILL_TICKS;
-use twinrotor::gains::PAPER;
 use twinrotor::link::ToBoard;
-use twinrotor::parameters::ram_flash::RamFlash;
-use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
-use twinrotor::parameters::{Parameters, SAMPLE_TIME};
-use twinrotor::pipeline::Settings;
+use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::supervisor::{Request, State};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Machine, Setup};
+use virtual_board::record::{self, ADDRESS, image, papers};
 use virtual_board::station::Station;
-
-/// Where the parameter sectors begin.
-const PARAMETERS: u64 = 0x0800_4000;
 
 fn firmware() -> Firmware {
     static RELEASED: OnceLock<Firmware> = OnceLock::new();
     RELEASED.get_or_init(|| Firmware::released().unwrap_or_else(|why| panic!("{why}"))).clone()
 }
 
-/// The paper's controller for `rig`, its wiring checked.
-fn parameters(rig: &Rig) -> Parameters {
-    let settings = Settings::paper(rig, PAPER, SAMPLE_TIME);
-    Parameters { checked: true, ..Parameters::new(rig, &settings) }
-}
-
-/// The parameter sectors with these records saved in turn.
-fn image(records: &[Parameters]) -> Vec<u8> {
-    let mut store = Store::new(RamFlash::default(), 0);
-    for record in records {
-        let mut buffer = [0; MAX_PAYLOAD];
-        let bytes = record.encode(&mut buffer).expect("it has room");
-        store.save(bytes, &mut [0; SLOT_SIZE]).expect("a flash that never fails");
-    }
-    store.into_flash().bytes().to_vec()
-}
-
 /// A board at `rig`, just switched on, with `parameters` in its flash.
 fn board_with(rig: &Rig, parameters: &Parameters) -> Station {
-    let setup = Setup::new(firmware()).with_image(PARAMETERS, image(&[*parameters]));
+    let setup = Setup::new(firmware()).with_image(ADDRESS, image(&[*parameters]));
     start(setup, rig)
 }
 
@@ -78,10 +55,22 @@ fn make_ready(station: &mut Station) {
     station.await_state(200, State::Ready);
 }
 
-/// A board at the paper's rig that reports every tick, holding the step's end after it flew it.
+/// What the tests fly: the paper's law on the paper's rig, and the controller that the firmware has built in on its rig.
+fn both() -> [(Rig, Parameters); 2] {
+    [(presets::PAPER, papers(&presets::PAPER)), record::tuned(record::BUILT_IN)]
+}
+
+/// A board with the paper's law at the paper's rig that reports every tick, holding the step's end after it flew it.
 #[track_caller]
 fn flying() -> Station {
-    let mut station = board_with(&presets::PAPER, &parameters(&presets::PAPER));
+    let [(rig, parameters), _] = both();
+    flying_with(&rig, &parameters)
+}
+
+/// The same with `parameters` at `rig`.
+#[track_caller]
+fn flying_with(rig: &Rig, parameters: &Parameters) -> Station {
+    let mut station = board_with(rig, parameters);
     make_ready(&mut station);
     station.aim(PerAxis::new(0.1, 0.2));
     station.request(Request::Arm);

@@ -8,11 +8,11 @@ use virtual_board::chip::flash::Operation;
 use virtual_board::machine::Setup;
 use virtual_board::station::Station;
 
-use super::{PARAMETERS, board_with, firmware, flying, image, parameters, start};
+use super::{ADDRESS, board_with, firmware, flying, image, papers, start};
 
 /// A record that no other `nth` shares a value of its limits with.
 pub(super) fn variant(nth: u16) -> Parameters {
-    let mut record = parameters(&presets::PAPER);
+    let mut record = papers(&presets::PAPER);
     let share = f32::from(nth) * 1e-4;
     record.limits.approach_rate = 0.3 + share;
     record.limits.rate.pitch = 9.0 + share;
@@ -42,7 +42,7 @@ pub(super) fn save(station: &mut Station, record: &Parameters) {
 #[test]
 fn an_image_made_by_the_host_is_what_the_board_flies() {
     let records = [variant(1), variant(2), variant(3)];
-    let mut station = start(Setup::new(firmware()).with_image(PARAMETERS, image(&records)), &presets::PAPER);
+    let mut station = start(Setup::new(firmware()).with_image(ADDRESS, image(&records)), &presets::PAPER);
     station.run(50);
     assert_eq!(read(&mut station), variant(3));
     assert_eq!(station.heard.conditions(), [Condition::NotZeroed]);
@@ -52,7 +52,7 @@ fn an_image_made_by_the_host_is_what_the_board_flies() {
 fn damaged_parameters_are_named_and_the_board_flies_none_of_them() {
     let mut bytes = image(&[variant(1)]);
     bytes[40] ^= 1;
-    let mut station = start(Setup::new(firmware()).with_image(PARAMETERS, bytes), &presets::PAPER);
+    let mut station = start(Setup::new(firmware()).with_image(ADDRESS, bytes), &presets::PAPER);
     station.run(100);
     let found = station.heard.conditions();
     let named = [Condition::ParametersMissing, Condition::ParametersInvalid];
@@ -105,7 +105,7 @@ fn a_thousand_saves_hold_wear_every_page_alike_and_program_no_word_twice() {
             }
             Operation::Program { address, .. } => {
                 assert!(programmed.insert(address), "{address:#x} was programmed twice");
-                assert!((PARAMETERS..PARAMETERS + 0xC000).contains(&address), "{address:#x}");
+                assert!((ADDRESS..ADDRESS + 0xC000).contains(&address), "{address:#x}");
             }
         }
     }

@@ -13,7 +13,7 @@ use virtual_board::machine::Setup;
 use virtual_board::station::Station;
 
 use super::parameters::{read, save, variant};
-use super::{PARAMETERS, firmware, image, start};
+use super::{ADDRESS, firmware, image, start};
 
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 const SLOTS: usize = PAGE_SIZE / SLOT_SIZE;
@@ -40,12 +40,12 @@ fn board(seed: u64) -> Station {
 /// Puts `bytes` into the parameter sectors of a board that runs: it looks for the record in force at every save.
 fn put(station: &mut Station, bytes: &[u8]) {
     let bytes = bytes.to_vec();
-    station.machine.with(move |board| board.replace_flash(PARAMETERS, &bytes));
+    station.machine.with(move |board| board.replace_flash(ADDRESS, &bytes));
 }
 
 /// The parameter sectors.
 fn sectors(station: &mut Station) -> Vec<u8> {
-    station.machine.with(|board| board.board().chip().flash().bytes(PARAMETERS, AREA_SIZE).to_vec())
+    station.machine.with(|board| board.board().chip().flash().bytes(ADDRESS, AREA_SIZE).to_vec())
 }
 
 /// The record in force in the parameter sectors, as the host's copy of the storage code finds it.

@@ -1,9 +1,11 @@
 //! The tick's rate, its instructions and the stack, compared with the figures kept for each compiler.
 
-use virtual_board::figures::Figures;
-use virtual_board::machine::MILLISECOND;
+use virtual_board::figures::{Figures, InFlight};
+use virtual_board::in_c;
+use virtual_board::machine::{MILLISECOND, TICK};
+use virtual_board::profile::Profile;
 
-use super::{firmware, flying};
+use super::{both, firmware, flying, flying_with};
 
 #[test]
 fn the_tick_comes_every_millisecond_to_the_instruction() {
@@ -19,8 +21,28 @@ fn the_tick_comes_every_millisecond_to_the_instruction() {
 
 #[test]
 fn size_instructions_and_stack_are_within_the_budget_and_have_not_grown() {
-    let measured = Figures::measure(&firmware(), &mut flying());
+    let [papers, rigs] =
+        both().map(|(rig, parameters)| InFlight::measure(&mut flying_with(&rig, &parameters)));
+    let measured = Figures::new(&firmware(), papers, rigs);
     println!("{measured}");
     measured.within_budget().unwrap_or_else(|why| panic!("{why}"));
     measured.compare(&firmware()).unwrap_or_else(|why| panic!("{why}"));
+}
+
+#[test]
+fn the_papers_law_takes_no_more_instructions_than_in_c() {
+    let profile = Profile::of(&firmware(), &mut flying(), TICK, 40).unwrap_or_else(|why| panic!("{why}"));
+    let median = profile.median();
+    println!("{}", profile.table());
+    let whole: u64 = median.iter().sum();
+    let counted = InFlight::measure(&mut flying()).tick_median;
+    assert!(whole.abs_diff(counted) <= 5, "followed, a tick takes {whole}, counted {counted}");
+    let ours = profile.from_reference_to_volts();
+    assert!(ours <= in_c::KEPT, "{ours} instructions, in C {}", in_c::KEPT);
+    if in_c::compiler().is_some() {
+        for options in in_c::SAME_BITS {
+            let c = in_c::measure(options).unwrap_or_else(|why| panic!("{why}")).instructions;
+            assert!(ours <= c, "{ours} instructions, in C with {options} {c}");
+        }
+    }
 }

@@ -1,0 +1,131 @@
+//! A scenario flown on the board by an operator's hand, and what the board's telemetry said of it.
+
+use host_sim::closed_loop::Tick;
+use host_sim::flight::{Flight, Row};
+use host_sim::metrics::Metrics;
+use host_sim::scenario::Scenario;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::control_loop::Wish;
+use twinrotor::estimator::Estimate;
+use twinrotor::first_power::STILL_TICKS;
+use twinrotor::link::ToBoard;
+use twinrotor::parameters::SAMPLE_TIME;
+use twinrotor::pipeline::Command;
+use twinrotor::plant::State as Motion;
+use twinrotor::plant::presets::Rig;
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{Condition, Request, State};
+use twinrotor::telemetry::Frame;
+
+use crate::helicopter::Helicopter;
+use crate::machine::Failure;
+use crate::station::Station;
+
+/// \[ms\] From one setpoint of a scenario that moves to the next.
+const SETPOINT_EVERY: usize = 10;
+/// \[ms\] Longest that anything on the ground may take; the first-power check is the longest.
+const PATIENCE: u64 = 400_000;
+/// \[ms\] To rise from where the rig rests and to hold still before the scenario begins.
+const RISE: u64 = 8_000;
+
+/// From switched on to hovering level: zeroes, checks the wiring if that has not been done, arms, waits. `told` hears of every
+/// change of state.
+///
+/// # Errors
+///
+/// If the board does not come so far, with what it says instead.
+pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
+    station.send(&ToBoard::Telemetry { every: 1 });
+    wait(station, u64::from(STILL_TICKS) + 100, told)?;
+    station.send(&ToBoard::Control(Wish::Zero));
+    wait(station, 100, told)?;
+    if station.heard.conditions().contains(&Condition::NotChecked) {
+        station.request(Request::Check);
+        reach(station, State::Checking, told)?;
+        station.run_until(PATIENCE, |heard| !heard.verdicts.is_empty());
+    }
+    reach(station, State::Ready, told)?;
+    station.aim(PerAxis::both(0.0));
+    station.request(Request::Arm);
+    reach(station, State::Armed, told)?;
+    wait(station, RISE, told)
+}
+
+fn reach(station: &mut Station, state: State, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
+    for _ in 0..1_000 {
+        wait(station, 2, told)?;
+        if station.heard.state() == Some(state) {
+            return Ok(());
+        }
+    }
+    Err(Failure(format!("the board does not become {state:?}; it is {}", station.heard.summary())))
+}
+
+/// Lets the board run, and tells of every change.
+fn wait(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
+    let known = station.heard.frames.len().saturating_sub(1);
+    station.try_run(milliseconds)?;
+    let frames = &station.heard.frames[known..];
+    let changes = frames.windows(2).filter(|pair| pair[0].state != pair[1].state);
+    changes.for_each(|pair| told(&pair[1]));
+    Ok(())
+}
+
+/// Flies a scenario on a board that hovers level. Its telemetry becomes the flight: what the board believed, not what the
+/// simulated rig knew.
+///
+/// # Errors
+///
+/// If the board leaves the air.
+pub fn fly(
+    station: &mut Station,
+    rig: &Rig,
+    scenario: &Scenario,
+    seed: u64,
+    told: &mut impl FnMut(&Frame),
+) -> Result<Flight, Failure> {
+    let references = scenario.references::<f32>();
+    let disturbances = scenario.disturbances::<f32>(seed);
+    let first = station.heard.frames.len();
+    let mut sent = Reference::at_rest(PerAxis::both(0.0));
+    for (references, disturbances) in
+        references.chunks(SETPOINT_EVERY).zip(disturbances.chunks(SETPOINT_EVERY))
+    {
+        let (reference, disturbance) = (references[0], disturbances[0]);
+        if reference != sent {
+            station.send(&ToBoard::Control(Wish::Setpoint(reference)));
+            sent = reference;
+        }
+        station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturbance = disturbance);
+        wait(station, references.len() as u64, told)?;
+        if station.heard.state() != Some(State::Armed) {
+            return Err(Failure(format!("the board left the air: {}", station.heard.summary())));
+        }
+    }
+    Ok(recorded(&station.heard.frames[first..], rig, scenario, &references))
+}
+
+/// The reference is the scenario's: what telemetry calls so has been through the controller's command filter.
+fn recorded(frames: &[Frame], rig: &Rig, scenario: &Scenario, references: &[Reference<f32>]) -> Flight {
+    let level = PerAxis::both(0.0);
+    // The first setpoint takes a moment over the link.
+    let begin = frames.iter().position(|frame| frame.reference != level).unwrap_or_default();
+    let frames = &frames[begin..];
+    let frames = &frames[..frames.len().min(references.len())];
+    let last = u32::try_from(frames.len().saturating_sub(1)).unwrap_or(u32::MAX);
+    let mut metrics = Metrics::<f64>::new(last, scenario.steps(level.map(f64::from)), rig.volts_limit);
+    let mut rows = Vec::with_capacity(frames.len());
+    for (tick, (frame, reference)) in (0_u32..).zip(frames.iter().zip(references)) {
+        let axis = |of: PerAxis<f32>| of.map(f64::from);
+        let motor = |of: PerMotor<f32>| of.map(f64::from);
+        let state = Motion { angle: axis(frame.angle), rate: axis(frame.rate) };
+        let reference = axis(reference.angle);
+        let mut command = Command::idle(Estimate::exact(state), reference);
+        command.allocation.demand = motor(frame.demand);
+        let volts = motor(frame.volts);
+        metrics.add(tick, &Tick { state, setpoint: reference, command, applied: volts });
+        let time = f64::from(tick) * SAMPLE_TIME;
+        rows.push(Row { time, state, reference, volts, disturbance: PerMotor::zero() });
+    }
+    Flight { rows, report: metrics.report(0, SAMPLE_TIME) }
+}

@@ -1,0 +1,214 @@
+//! Runs the released firmware on the virtual board, for people: switches it on, zeroes, checks the wiring, arms, flies a
+//! scenario, and shows what its telemetry said.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use host_sim::cli::tables;
+use host_sim::error::{Failure, Outcome};
+use host_sim::flight::Flight;
+use host_sim::gains_file::GainsFile;
+use host_sim::metrics::Report;
+use host_sim::scenario::Scenario;
+use host_sim::{figures, flash, plot, rig};
+use serde::Serialize;
+use twinrotor::parameters::ram_flash::AREA_SIZE;
+use twinrotor::parameters::{Parameters, SAMPLE_TIME};
+use twinrotor::plant::presets::Rig;
+use twinrotor::supervisor::State;
+use twinrotor::telemetry::Frame;
+use virtual_board::firmware::Firmware;
+use virtual_board::flight;
+use virtual_board::helicopter::Helicopter;
+use virtual_board::machine::{Machine, Setup};
+use virtual_board::record;
+use virtual_board::station::Station;
+
+/// The released firmware on an emulated STM32F405 that is wired to a simulated helicopter.
+#[derive(Debug, Parser)]
+struct Args {
+    /// The firmware's ELF; by default where `cargo fw` puts it, or where TWINROTOR_ELF says
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// What is in the board's flash: 'paper' (Table 4), a gains file, or an image that `host-sim flash --image` made
+    #[arg(long, default_value = "paper", value_name = "paper|FILE.toml|FILE.bin")]
+    gains: String,
+    /// The helicopter: a preset or a FILE.toml of your own
+    #[arg(long, default_value = "paper")]
+    preset: String,
+    /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
+    #[arg(long, default_value = "step")]
+    scenario: String,
+    /// The wiring has passed the first-power check before: do not ask for it
+    #[arg(long)]
+    checked: bool,
+    /// Of the disturbance, and of what chance decides on the board
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Draw the flight, as the telemetry told it, as .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a run comes to.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    preset: &'a str,
+    scenario: &'a str,
+    gains: &'a str,
+    seed: u64,
+    firmware: String,
+    chip: String,
+    frames: usize,
+    frames_dropped: u32,
+    /// \[instructions\] Of the tick's interrupt since boot.
+    tick_median: u64,
+    tick_max: u64,
+    /// \[%\] Of the instructions that the core had time for, those that it slept through in flight.
+    idle_percent: f64,
+    stack_used: u32,
+    stack_size: u32,
+    /// How many times as fast as a clock.
+    speed: f64,
+    #[serde(flatten)]
+    report: Report,
+}
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::from(failure.exit_status())
+        }
+    }
+}
+
+fn run(args: &Args) -> Outcome<()> {
+    let named = rig::load(&args.preset)?;
+    let scenario = Scenario::load(&args.scenario)?;
+    if let Some(path) = &args.plot {
+        plot::check("--plot", path)?;
+    }
+    let firmware = args.elf.as_ref().map_or_else(Firmware::released, |path| Firmware::read(path));
+    let firmware = firmware.map_err(Failure::input)?;
+    let image = image(args, &named.rig)?;
+    let setup = Setup::new(firmware).with_seed(args.seed).with_image(record::ADDRESS, image);
+    let supply = named.rig.volts_limit.main.max(named.rig.volts_limit.tail);
+    let began = Instant::now();
+    let mut station = Station::new(Machine::start(setup, Helicopter::new(&named.rig, supply)));
+    let json = args.json;
+    let mut told = |frame: &Frame| {
+        if !json {
+            println!("{}", event(frame));
+        }
+    };
+    let failed = |why: virtual_board::machine::Failure| Failure::Run(why.to_string());
+    flight::take_off(&mut station, &mut told).map_err(failed)?;
+    let (before, executed) = station.machine.now();
+    let flown = flight::fly(&mut station, &named.rig, &scenario, args.seed, &mut told).map_err(failed)?;
+    let (now, all) = station.machine.now();
+    let seconds = |nanoseconds: u64| std::time::Duration::from_nanos(nanoseconds).as_secs_f64();
+    #[expect(clippy::cast_precision_loss, reason = "a share")]
+    let busy = (all - executed) as f64 / (virtual_board::board::CORE_HZ as f64 * seconds(now.0 - before.0));
+    let document = document(
+        args,
+        &mut station,
+        &flown,
+        100.0 * (1.0 - busy),
+        seconds(now.0) / began.elapsed().as_secs_f64(),
+    )?;
+    if let Some(path) = &args.plot {
+        let title =
+            format!("{}, scenario {}, {} gains, on the virtual board", named.name, scenario.name, args.gains);
+        figures::flight(&title, &flown, named.rig.volts_limit).write(path)?;
+    }
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&document).map_err(Failure::input)?);
+    } else {
+        print!("{}", tables::report(&document.report));
+        println!(
+            "firmware {} on {}: {} frames of telemetry, {} dropped; {} of {} bytes of stack used\n\
+             a tick takes {} instructions by the median, {} at most; the core sleeps {:.1} % of the time\n\
+             {:.0} times as fast as a clock",
+            document.firmware,
+            document.chip,
+            document.frames,
+            document.frames_dropped,
+            document.stack_used,
+            document.stack_size,
+            document.tick_median,
+            document.tick_max,
+            document.idle_percent,
+            document.speed
+        );
+    }
+    Ok(())
+}
+
+fn document<'a>(
+    args: &'a Args,
+    station: &mut Station,
+    flown: &Flight,
+    idle_percent: f64,
+    speed: f64,
+) -> Outcome<Document<'a>> {
+    let mut ticks: Vec<u64> = station.machine.trace().1.iter().map(|tick| tick.instructions).collect();
+    ticks.sort_unstable();
+    let heard = &station.heard;
+    let silent = || Failure::Run("the board did not say who it is, or how".to_owned());
+    let identity = heard.identities.last().ok_or_else(silent)?;
+    let health = heard.health.last().ok_or_else(silent)?;
+    Ok(Document {
+        preset: &args.preset,
+        scenario: &args.scenario,
+        gains: &args.gains,
+        seed: args.seed,
+        firmware: identity.firmware.to_string(),
+        chip: identity.chip.to_string(),
+        frames: heard.frames.len(),
+        frames_dropped: health.frames_dropped,
+        tick_median: ticks.get(ticks.len() / 2).copied().unwrap_or_default(),
+        tick_max: ticks.last().copied().unwrap_or_default(),
+        idle_percent,
+        stack_used: health.stack_used,
+        stack_size: health.stack_size,
+        speed,
+        report: flown.report,
+    })
+}
+
+/// The parameter sectors.
+fn image(args: &Args, rig: &Rig) -> Outcome<Vec<u8>> {
+    if Path::new(&args.gains).extension().is_some_and(|extension| extension == "bin") {
+        let bytes =
+            std::fs::read(&args.gains).map_err(|why| Failure::reading(Path::new(&args.gains), &why))?;
+        return if bytes.len() == AREA_SIZE {
+            Ok(bytes)
+        } else {
+            let (name, length) = (&args.gains, bytes.len());
+            Err(Failure::Input(format!(
+                "--gains {name} has {length} bytes; allowed: {AREA_SIZE}, all three sectors"
+            )))
+        };
+    }
+    let gains = GainsFile::load(&args.gains)?;
+    let settings = twinrotor::pipeline::Settings { sample_time: SAMPLE_TIME, ..gains.settings(rig) };
+    flash::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &settings) })
+}
+
+fn event(frame: &Frame) -> String {
+    let seconds = f64::from(frame.tick) * SAMPLE_TIME;
+    let reasons: Vec<String> = frame.conditions.iter().map(|each| format!("{each:?}")).collect();
+    let state = match frame.state {
+        State::Fault(cause) => format!("Fault: {cause:?}"),
+        state => format!("{state:?}"),
+    };
+    let why = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join(", ")) };
+    format!("{seconds:9.3} s  {state}{why}")
+}
