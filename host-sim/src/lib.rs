@@ -13,6 +13,7 @@
 pub mod cli;
 pub mod closed_loop;
 pub mod error;
+pub mod export;
 pub mod figures;
 pub mod flash;
 pub mod flight;
