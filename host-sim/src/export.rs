@@ -241,8 +241,9 @@ mod tests {
 
     #[test]
     fn parquet_reads_back_to_the_bit() {
-        let bytes = bytes::Bytes::from(table().to_parquet().unwrap());
-        let reader = SerializedFileReader::new(bytes).unwrap();
+        let file = tempfile::NamedTempFile::with_suffix(".parquet").unwrap();
+        table().write(file.path()).unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(file.path()).unwrap()).unwrap();
         let rows: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 3);
         assert_eq!(rows[1].get_double(1).unwrap(), f64::MIN_POSITIVE);
