@@ -1,6 +1,7 @@
 //! What the commands draw.
 
 use crate::flight::{Flight, Row};
+use crate::optimise::Compromise;
 use crate::peers::Peer;
 use crate::plot::{Band, COLOURS, Figure, Line, Panel, Stroke};
 use crate::robust::quantile;
@@ -123,8 +124,10 @@ pub fn convergence(title: &str, peers: &[Peer], best_known: f64, budget: usize) 
     let excess = |peer: &Peer, part: f64| -> Vec<(f64, f64)> {
         let at = |n: usize| {
             let costs: Vec<f64> = peer.runs.iter().map(|r| r.cost_after(n)).collect();
+            // Before every seed has a cost there is nothing to draw.
+            let there = costs.iter().all(|c| c.is_finite());
             let excess = 100.0 * (quantile(&costs, part) / best_known - 1.0);
-            (n as f64, excess.max(NEAREST))
+            (n as f64, if there { excess.max(NEAREST) } else { f64::NAN })
         };
         counts.iter().map(|n| at(*n)).collect()
     };
@@ -171,5 +174,24 @@ pub fn fan(title: &str, flights: &[&Flight]) -> Figure {
             panel("pitch θ [°]", 0, |r| r.state.angle.pitch.to_degrees(), |r| r.reference.pitch.to_degrees()),
             panel("yaw ψ [°]", 1, |r| r.state.angle.yaw.to_degrees(), |r| r.reference.yaw.to_degrees()),
         ],
+    }
+}
+
+/// A Pareto front of settling \[s\], disturbance error \[deg\] and voltage variation \[V/s\], the last one against each of the others.
+pub fn front(title: &str, front: &[Compromise], chosen: usize) -> Figure {
+    let panel = |y_label: &str, objective: usize| {
+        let point = |p: &Compromise| (p.costs[2], p.costs[objective]);
+        let line =
+            |name: &str, points, colour, stroke| Line { name: name.to_owned(), points, colour, stroke };
+        let lines = vec![
+            line("one controller each", front.iter().map(point).collect(), 0, Stroke::Dots),
+            line("chosen", front.get(chosen).map(point).into_iter().collect(), 1, Stroke::Rings),
+        ];
+        Panel { y_label: y_label.to_owned(), lines, ..Panel::default() }
+    };
+    Figure {
+        title: title.to_owned(),
+        x_label: "voltage variation while holding [V/s]".to_owned(),
+        panels: vec![panel("settling, both axes [s]", 0), panel("disturbed RMS error, both axes [°]", 1)],
     }
 }

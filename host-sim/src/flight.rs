@@ -160,29 +160,3 @@ fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, disturbance: PerMotor
         disturbance: motor(disturbance),
     }
 }
-
-/// A recording as CSV, SI units, shortest digits that give the same bits back.
-pub fn to_csv(rows: &[Row]) -> String {
-    use std::fmt::Write;
-    let mut text =
-        String::from("t,theta,theta_dot,psi,psi_dot,theta_ref,psi_ref,v_main,v_tail,dist_main,dist_tail\n");
-    for r in rows {
-        let State { angle, rate } = r.state;
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{},{},{},{},{}",
-            (r.time * 1e6).round() / 1e6,
-            angle.pitch,
-            rate.pitch,
-            angle.yaw,
-            rate.yaw,
-            r.reference.pitch,
-            r.reference.yaw,
-            r.volts.main,
-            r.volts.tail,
-            r.disturbance.main,
-            r.disturbance.tail
-        );
-    }
-    text
-}

@@ -14,6 +14,7 @@ pub mod cli;
 pub mod closed_loop;
 pub mod counted;
 pub mod error;
+pub mod export;
 pub mod figures;
 pub mod flash;
 pub mod flight;

@@ -1,7 +1,10 @@
 //! Figures: panels over a common horizontal axis, as SVG or PNG by the file's extension.
 
+mod labels;
+
 use crate::error::{Failure, Outcome};
 use crate::output;
+use labels::{number, power};
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::path::Path;
@@ -319,31 +322,6 @@ impl Panel {
         let air = 0.06 * (high - low);
         let across = if across.0 < across.1 { across } else { (0.0, 1.0) };
         if low.is_finite() { (across, (low - air, high + air)) } else { (across, (0.0, 1.0)) }
-    }
-}
-
-/// A power of ten, in numbers.
-fn power(exponent: f64) -> String {
-    let value = 10_f64.powf(exponent);
-    if (1e-3..1e4).contains(&value) { number(value, 10.0 * value) } else { format!("{value:.0e}") }
-}
-
-/// With as many decimals as the range needs.
-fn number(value: f64, range: f64) -> String {
-    let decimals = if range >= 20.0 {
-        0
-    } else if range >= 2.0 {
-        1
-    } else if range >= 0.2 {
-        2
-    } else {
-        3
-    };
-    let text = format!("{value:.decimals$}");
-    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
-        format!("{:.decimals$}", 0.0)
-    } else {
-        text
     }
 }
 

@@ -58,6 +58,14 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["tune", "--time-limit", "-3"], "--time-limit is -3"),
         (&["tune", "--resume"], "--checkpoint"),
         (&["tune", "--checkpoint", "c.bin", "--resume"], "c.bin: cannot be read"),
+        (&["tune", "--algorithm", "cma"], "did you mean 'cmaes'"),
+        (&["simulate", "--export", "flight.xls"], ".parquet, .mcap, .npz or .csv"),
+        (&["bench-tuners", "--algorithms", "fpa-paper,psoo"], "did you mean 'pso'"),
+        (&["bench-tuners", "--seeds", "1"], "--seeds is 1; allowed: 2 to 10000"),
+        (&["bench-tuners", "--evaluations", "0"], "--evaluations is 0"),
+        (&["bench-tuners", "--export", "runs.mcap"], ".parquet, .npz or .csv"),
+        (&["pareto", "--population", "2"], "--population is 2; allowed: 4 to"),
+        (&["reproduce", "--out", "nan.toml"], "which is a file; a folder is needed"),
         (&["fly"], "unrecognized subcommand 'fly'"),
     ];
     let before = fs::read_dir(folder.path()).unwrap().count();
@@ -241,4 +249,57 @@ fn a_killed_search_resumes_to_the_bytes_of_an_uninterrupted_one() {
     bytes[middle] ^= 1;
     fs::write(folder.path().join("state.bin"), bytes).unwrap();
     assert_eq!(run(&[&checkpointed[..], &["--resume"]].concat()).wait().unwrap().code(), Some(2));
+}
+
+#[test]
+fn any_method_tunes_and_a_killed_robust_search_resumes_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    for algorithm in ["cmaes", "nelder-mead", "fpa-adaptive", "sobol"] {
+        let args = ["tune", "--json", "--algorithm", algorithm, "--iterations", "1", "--horizon", "1"];
+        let told = json(folder.path(), &args);
+        assert_eq!(
+            (told["evaluations"].as_u64(), told["diverged"].as_u64()),
+            (Some(100), Some(0)),
+            "{algorithm}"
+        );
+    }
+    let robust = ["tune", "--objective", "robust", "--fidelity", "rig", "--plants", "4", "--population", "8"];
+    let run = |extra: &[&str]| {
+        let args = [&robust[..], &["--iterations", "4", "--rounds", "2", "--seed", "3"], extra].concat();
+        host_sim(folder.path(), &args).status.code()
+    };
+    assert_eq!(run(&["--out", "whole.toml"]), Some(0));
+    let parts = ["--out", "parts.toml", "--checkpoint", "state.bin"];
+    assert_eq!(run(&[&parts[..], &["--time-limit", "0.05"]].concat()), Some(0));
+    assert_eq!(run(&[&parts[..], &["--resume", "--threads", "1"]].concat()), Some(0));
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("whole.toml"), read("parts.toml"));
+    assert_eq!(run(&[&parts[..], &["--resume", "--range", "3"]].concat()), Some(2));
+}
+
+#[test]
+fn methods_are_compared_in_numbers_rows_and_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["bench-tuners", "--algorithms", "fpa-paper,random", "--seeds", "4", "--evaluations", "120"];
+    let told =
+        json(folder.path(), &[&args[..], &["--json", "--export", "runs.csv", "--plot", "c.svg"]].concat());
+    let standings = told["standings"].as_array().unwrap();
+    assert_eq!(standings.len(), 2);
+    assert!(standings[0]["p_value"].is_null() && standings[1]["p_value"].as_f64().unwrap() <= 1.0);
+    assert!(standings.iter().all(|s| s["best"].as_f64() >= told["best_known"].as_f64()));
+    let rows = fs::read_to_string(folder.path().join("runs.csv")).unwrap();
+    assert!(rows.starts_with("algorithm,seed,cost,x1,x2,x3,x4\nfpa-paper,1,") && rows.lines().count() == 9);
+    assert!(fs::read_to_string(folder.path().join("c.svg")).unwrap().contains("evaluations"));
+}
+
+#[test]
+fn a_front_comes_with_the_gains_of_every_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["pareto", "--plants", "4", "--population", "8", "--iterations", "4", "--json"];
+    let told = json(folder.path(), &args);
+    let front = told["front"].as_array().unwrap();
+    let chosen = format!("front/{:02}.toml", told["chosen"].as_u64().unwrap());
+    assert!(folder.path().join(format!("front/{:02}.toml", front.len())).exists());
+    json(folder.path(), &["simulate", "--fidelity", "rig", "--gains", &chosen, "--json"]);
+    assert!(fs::read_to_string(folder.path().join("front/front.svg")).unwrap().contains("chosen"));
 }

@@ -3,12 +3,13 @@
 use super::common::{Common, catch_interrupts, interrupted};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, at_least, known_name};
+use crate::export;
 use crate::figures;
 use crate::flight::Fidelity;
 use crate::metrics::Criterion;
 use crate::objective::Objective;
 use crate::optimise::{ALGORITHMS, Bounds, Setup};
-use crate::peers::{Peer, Standing, best_known, standings};
+use crate::peers::{self, Peer, Standing, best_known, standings};
 use crate::plot;
 use crate::rig::NamedRig;
 use crate::robust::{self, CATALOGUE, Robust, Trial};
@@ -46,6 +47,9 @@ pub(super) struct Args {
     /// Robust: factor within which each parameter is searched
     #[arg(long, value_name = "FACTOR", default_value_t = 4.0, allow_negative_numbers = true)]
     range: f64,
+    /// Write every run as a row: method, seed, cost, coordinates (.parquet, .npz or .csv)
+    #[arg(long, value_name = "FILE")]
+    export: Option<PathBuf>,
     /// Draw convergence (.svg or .png)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -76,6 +80,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.plot {
         plot::check("--plot", path)?;
     }
+    if let Some(path) = &args.export {
+        export::check("--export", path, false)?;
+    }
     let (peers, what) = match args.objective {
         Goal::Ise => {
             let step = Scenario::load("step")?;
@@ -91,6 +98,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.plot {
         let title = format!("{}: {what}; median of {} seeds, quarter points", named.name, args.seeds);
         figures::convergence(&title, &peers, known, setups[0].1.evaluations).write(path)?;
+    }
+    if let Some(path) = &args.export {
+        peers::table(&peers).write(path)?;
     }
     if args.common.json {
         return print_json(&Document {

@@ -7,6 +7,7 @@ mod bench_tuners;
 mod common;
 mod compare;
 mod flash;
+mod pareto;
 mod reproduce;
 mod simulate;
 pub mod tables;
@@ -42,6 +43,8 @@ enum Command {
     BenchTuners(bench_tuners::Args),
     /// The paper's tables, figures and claims beside ours, as a report to open in a browser
     Reproduce(reproduce::Args),
+    /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
+    Pareto(pareto::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
 }
@@ -59,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::run(&args),
         Command::BenchTuners(args) => bench_tuners::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Pareto(args) => pareto::run(&args),
         Command::Flash(args) => flash::run(&args),
     };
     match outcome {

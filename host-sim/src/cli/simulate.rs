@@ -3,6 +3,7 @@
 use super::common::{Common, pair};
 use super::{print, print_json, tables};
 use crate::error::{Outcome, at_least};
+use crate::export::{self, Table};
 use crate::figures;
 use crate::flight::{self, Fidelity, Plan, Scalar};
 use crate::gains_file::{Controller, GainsFile};
@@ -52,6 +53,9 @@ pub(super) struct Args {
     /// Write every tick to a CSV file, SI units
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write every tick, SI units, for other tools: .parquet, .mcap (PlotJuggler, Foxglove, Rerun), .npz or .csv
+    #[arg(long, value_name = "FILE")]
+    export: Option<PathBuf>,
     /// Draw the flight as .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -82,6 +86,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.csv {
         output::check("--csv", path)?;
     }
+    if let Some(path) = &args.export {
+        export::check("--export", path, true)?;
+    }
 
     let settings = gains.settings(&named.rig);
     let plan = Plan {
@@ -95,7 +102,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let flown = flight::fly(&plan, args.scalar)?;
 
     if let Some(path) = &args.csv {
-        output::write(path, flight::to_csv(&flown.rows).as_bytes())?;
+        output::write(path, Table::of_flight(&flown.rows).to_csv().as_bytes())?;
+    }
+    if let Some(path) = &args.export {
+        Table::of_flight(&flown.rows).write(path)?;
     }
     let title = format!("{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
     if let Some(path) = &args.plot {

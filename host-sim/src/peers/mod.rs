@@ -5,7 +5,8 @@ mod ranks;
 
 pub use ranks::{holm, rank_sum};
 
-use crate::optimise::{Bounds, Draws, Optimiser, Setup, run};
+use crate::export::{Column, Table};
+use crate::optimise::{Bounds, Draws, Optimiser, Setup};
 use crate::robust::quantile;
 use crate::tuner::Problem;
 use rayon::prelude::*;
@@ -60,21 +61,26 @@ impl Peer {
         let one = |seed| {
             let mut search = setup.start(bounds.clone(), Draws::new(seed));
             let mut history: Vec<(usize, f64)> = Vec::new();
-            let (mut before, mut stopped) = (0, false);
-            run(
-                &mut search,
-                |asked| problem.costs(asked),
-                |now| {
-                    let cost = now.best().map_or(f64::INFINITY, |b| b.cost);
-                    if history.last().is_none_or(|(_, c)| cost < *c) {
-                        history.push((now.evaluations(), cost));
+            loop {
+                let asked = search.ask();
+                if asked.is_empty() {
+                    break;
+                }
+                let costs = problem.costs(&asked);
+                let before = search.evaluations();
+                search.tell(&costs);
+                // What was computed ahead and thrown away is at the end.
+                let used = search.evaluations() - before;
+                for (number, cost) in (before + 1..).zip(&costs[..used]) {
+                    if history.last().is_none_or(|(_, best)| cost < best) {
+                        history.push((number, *cost));
                     }
-                    stopped = !seen(now.evaluations() - before);
-                    before = now.evaluations();
-                    !stopped
-                },
-            );
-            let best = search.best().filter(|_| !stopped)?;
+                }
+                if !seen(used) {
+                    return None;
+                }
+            }
+            let best = search.best()?;
             Some(Run { seed, cost: best.cost, position: best.position.clone(), history })
         };
         let runs = seeds.into_par_iter().map(one).collect::<Option<Vec<Run>>>()?;
@@ -90,6 +96,20 @@ impl Peer {
     pub fn best(&self) -> &Run {
         self.runs.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).expect("at least one seed")
     }
+}
+
+/// Every run as a row: method, seed, cost and where it was found.
+pub fn table(peers: &[Peer]) -> Table {
+    let runs = || peers.iter().flat_map(|p| p.runs.iter().map(move |r| (p, r)));
+    let mut table = Table::default();
+    table.push("algorithm", Column::Words(runs().map(|(p, _)| p.name.clone()).collect()));
+    table.push("seed", Column::Numbers(runs().map(|(_, r)| r.seed as f64).collect()));
+    table.push("cost", Column::Numbers(runs().map(|(_, r)| r.cost).collect()));
+    let dimension = runs().next().map_or(0, |(_, r)| r.position.len());
+    for k in 0..dimension {
+        table.push(&format!("x{}", k + 1), Column::Numbers(runs().map(|(_, r)| r.position[k]).collect()));
+    }
+    table
 }
 
 /// A method in numbers.

@@ -115,7 +115,7 @@ pub struct Size {
 
 impl Size {
     /// What is done in seconds.
-    pub const SMALL: Self = Self { seeds: 3, evaluations: 600, fan: 12, tuning: 100, plants: 64 };
+    pub const SMALL: Self = Self { seeds: 3, evaluations: 300, fan: 12, tuning: 60, plants: 32 };
     /// The rest.
     pub const FULL: Self = Self { seeds: 30, evaluations: 1550, fan: 60, tuning: 1000, plants: 300 };
 }

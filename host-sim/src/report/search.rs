@@ -104,7 +104,7 @@ pub(super) fn table_1(searches: &Searches) -> Section {
             "implied",
             format!("random points are within 1 % after {random:.0} evaluations"),
             Verdict::of(random > 10.0 * ours),
-            "ISE over four gains is an easy problem: half of the box lies near the optimum",
+            "ISE over four gains is an easy problem",
         ),
     ];
     let title = format!("Searching [1, 25]⁴ for ISE: median of {} seeds, quarter points", size.seeds);

@@ -70,13 +70,15 @@ pub(super) fn table_3() -> Outcome<Section> {
 pub(super) fn table_4(searches: &Searches) -> Outcome<Section> {
     let found = searches.tuned[0].gains().unwrap_or(gains::PAPER).to_paper_order();
     let printed = gains::PAPER.to_paper_order();
+    // One gain at a bound is near its neighbour by chance: all four or none.
+    let alike = found.iter().zip(&printed).all(|(f, p)| (f / p - 1.0).abs() < 0.05);
     let mut entries: Vec<_> = (0..4)
         .map(|k| {
             entry(
                 &format!("k{} ({})", k + 1, NAMES[k]),
                 &format!("{}", printed[k]),
                 format!("{:.2}", found[k]),
-                Verdict::of((found[k] / printed[k] - 1.0).abs() < 0.05),
+                Verdict::of(alike),
                 "",
             )
         })
