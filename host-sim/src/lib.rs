@@ -10,6 +10,7 @@
     )
 )]
 
+pub mod checkpoint;
 pub mod cli;
 pub mod closed_loop;
 pub mod error;
@@ -17,12 +18,15 @@ pub mod figures;
 pub mod flash;
 pub mod flight;
 pub mod gains_file;
+pub mod identify;
 pub mod lanes;
+pub mod log;
 pub mod metrics;
 pub mod objective;
 pub mod optimise;
 pub mod output;
 pub mod plot;
+pub mod replay;
 pub mod rig;
 pub mod robust;
 pub mod scenario;

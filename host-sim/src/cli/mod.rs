@@ -6,6 +6,8 @@ mod bench;
 mod common;
 mod compare;
 mod flash;
+mod identify;
+mod replay;
 mod simulate;
 mod tables;
 mod tune;
@@ -35,6 +37,10 @@ enum Command {
     Compare(compare::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
+    /// A rig's constants, with intervals, from logs of its own runs
+    Identify(identify::Args),
+    /// A log through the firmware's own estimator and law
+    Replay(replay::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
 }
@@ -50,6 +56,8 @@ pub fn main() -> ExitCode {
         Command::Tune(args) => tune::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Identify(args) => identify::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
     };
     match outcome {

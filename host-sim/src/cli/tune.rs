@@ -2,6 +2,7 @@
 
 use super::common::{Common, catch_interrupts, interrupted, pair};
 use super::{print, print_json, tables, tune_robust};
+use crate::checkpoint::check_fresh;
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::figures;
 use crate::flight::{self, Fidelity, Flight, Plan, Scalar};
@@ -13,7 +14,7 @@ use crate::output;
 use crate::plot;
 use crate::rig::NamedRig;
 use crate::scenario::{SAMPLE_TIME, Scenario};
-use crate::tuner::{Conduct, End, Search, check_fresh};
+use crate::tuner::{Conduct, End, Search};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
