@@ -100,7 +100,8 @@ fn worst(parameters: &[Parameter]) -> usize {
 /// The variance of one unknown, in units of residuals as large as they were.
 fn variance(information: &DMatrix<f64>, index: usize) -> f64 {
     let n = information.nrows();
-    let scale: Vec<f64> = (0..n).map(|k| information[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
+    let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
+    let scale: Vec<f64> = (0..n).map(|k| root(information[(k, k)])).collect();
     let mut scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (scale[i] * scale[j]));
     for k in 0..n {
         // What nothing is known of stays unknown, but does not spoil the rest.
