@@ -10,6 +10,7 @@
     )
 )]
 
+pub mod checkpoint;
 pub mod cli;
 pub mod closed_loop;
 pub mod counted;
@@ -19,13 +20,16 @@ pub mod figures;
 pub mod flash;
 pub mod flight;
 pub mod gains_file;
+pub mod identify;
 pub mod lanes;
+pub mod log;
 pub mod metrics;
 pub mod objective;
 pub mod optimise;
 pub mod output;
 pub mod peers;
 pub mod plot;
+pub mod replay;
 pub mod report;
 pub mod rig;
 pub mod robust;

@@ -75,7 +75,8 @@ impl Scenario {
         Ok(Self { name: name.to_owned(), source, duration, disturbance })
     }
 
-    fn parse(path: &str, text: &str) -> Outcome<Self> {
+    /// From the text of a scenario file, called `path` in what is said of it.
+    pub fn parse(path: &str, text: &str) -> Outcome<Self> {
         let file: File = from_toml(path, text)?;
         let in_file = |e: Failure| Failure::Input(format!("{path}: {e}"));
         file.pitch.validate("pitch").map_err(in_file)?;

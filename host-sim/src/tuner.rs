@@ -1,10 +1,9 @@
 //! The tuner: an optimiser and a problem, driven to the end, with progress, interruption, time limit and checkpoints.
 
-use crate::error::{Failure, Outcome};
+use crate::checkpoint;
+use crate::error::Outcome;
 use crate::optimise::{Best, Candidate, Optimiser, Searcher};
-use crate::output;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -41,7 +40,7 @@ impl Effort {
 /// Where a tuning run stands; everything that a restart needs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Search {
-    /// What is being tuned and how, in words: a checkpoint with other words belongs to another run.
+    /// What is being tuned and how, in words.
     identity: String,
     optimiser: Searcher,
     /// Evaluations and cost at every improvement.
@@ -81,8 +80,6 @@ pub enum End {
 
 /// From one checkpoint to the next.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(3);
-/// First bytes of a checkpoint.
-const MAGIC: &[u8] = b"twinrotor checkpoint 2\n";
 
 impl Search {
     /// At the beginning.
@@ -168,41 +165,11 @@ impl Search {
     }
 
     fn save(&self, path: &Path) -> Outcome<()> {
-        let payload = postcard::to_allocvec(self).expect("a search can be written down");
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(crc32fast::hash(&payload).to_le_bytes());
-        bytes.extend(payload);
-        output::write(path, &bytes)
+        checkpoint::write(path, &self.identity, self)
     }
 
     /// Reads a checkpoint of the run that `identity` describes.
     pub fn resume(path: &Path, identity: &str) -> Outcome<Self> {
-        let bytes = fs::read(path).map_err(|e| Failure::reading(path, &e))?;
-        let refuse = |why: &str| Failure::Input(format!("{}: {why}", path.display()));
-        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| refuse("is no checkpoint of this version"))?;
-        let (sum, payload) = rest.split_first_chunk::<4>().ok_or_else(|| refuse("is cut short"))?;
-        if crc32fast::hash(payload) != u32::from_le_bytes(*sum) {
-            return Err(refuse("is damaged (its checksum does not match)"));
-        }
-        let search: Self = postcard::from_bytes(payload).map_err(|_| refuse("is damaged"))?;
-        if search.identity != identity {
-            return Err(refuse(&format!(
-                "belongs to another run; it is of [{}], this is [{identity}]",
-                search.identity
-            )));
-        }
-        Ok(search)
+        checkpoint::read(path, identity)
     }
-}
-
-/// Refuses to write over a checkpoint that nobody asked to resume.
-pub fn check_fresh(path: &Path) -> Outcome<()> {
-    output::check("--checkpoint", path)?;
-    if path.exists() {
-        return Err(Failure::Input(format!(
-            "--checkpoint is '{}', which exists; add --resume to go on from it, or remove it",
-            path.display()
-        )));
-    }
-    Ok(())
 }

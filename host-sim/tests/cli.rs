@@ -29,6 +29,7 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
     gains("misspelt.toml", &good.replace("rate = 10.8", "rat = 10.8"));
     gains("negative.toml", &good.replace("10.8", "-10.8"));
     gains("nan.toml", &good.replace("10.8", "nan"));
+    gains("empty.csv", "");
     let cases: &[(&[&str], &str)] = &[
         (&["simulate", "--preset", "areo"], "did you mean 'aero'"),
         (&["simulate", "--scenario", "stop"], "did you mean 'step'"),
@@ -66,6 +67,15 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["bench-tuners", "--export", "runs.mcap"], ".parquet, .npz or .csv"),
         (&["pareto", "--population", "2"], "--population is 2; allowed: 4 to"),
         (&["reproduce", "--out", "nan.toml"], "which is a file; a folder is needed"),
+        (&["identify"], "<LOG.csv>"),
+        (&["identify", "nowhere.csv"], "nowhere.csv: cannot be read"),
+        (&["identify", "empty.csv"], "empty.csv: is empty"),
+        (&["identify", "missing.toml"], "has no column 't'"),
+        (&["identify", "empty.csv", "--columns", "roll=x"], "names no column of ours"),
+        (&["identify", "empty.csv", "--fix", "thrust"], "--fix names 'thrust'"),
+        (&["identify", "empty.csv", "--window", "0"], "--window is 0"),
+        (&["identify", "empty.csv", "--out", "no/such/rig.toml"], "no folder 'no/such'"),
+        (&["replay", "empty.csv"], "empty.csv: is empty"),
         (&["fly"], "unrecognized subcommand 'fly'"),
     ];
     let before = fs::read_dir(folder.path()).unwrap().count();
@@ -302,4 +312,42 @@ fn a_front_comes_with_the_gains_of_every_point() {
     assert!(folder.path().join(format!("front/{:02}.toml", front.len())).exists());
     json(folder.path(), &["simulate", "--fidelity", "rig", "--gains", &chosen, "--json"]);
     assert!(fs::read_to_string(folder.path().join("front/front.svg")).unwrap().contains("chosen"));
+}
+
+/// A flight recorded by `simulate` goes through `identify` and `replay`, and the preset that comes out flies.
+#[test]
+fn a_recorded_flight_leads_to_a_preset() {
+    let folder = tempfile::tempdir().unwrap();
+    let columns = "pitch=theta,yaw=psi,v0=v_main,v1=v_tail";
+    let rig = ["--preset", "aero-lab", "--fidelity", "rig", "--csv", "run.csv"];
+    assert!(host_sim(folder.path(), &[&["simulate"][..], &rig].concat()).status.success());
+    let few =
+        ["identify", "run.csv", "--columns", columns, "--preset", "aero-lab", "--json", "--window", "1.5"];
+    let fix = [
+        "--fix",
+        "effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction",
+        "--iterations",
+        "0",
+    ];
+    let found = json(folder.path(), &[&few[..], &fix, &["--population", "2"]].concat());
+    assert_eq!(found["parameters"].as_array().unwrap().len(), 5);
+    assert!(found["fits"][0]["pitch"].as_f64().unwrap() > 90.0 && found["fits"][0]["role"] == "train");
+    assert!(found["parameters"][0]["ci95"].is_array() && found["parameters"][0]["unit"] == "N m s/rad");
+    let flown = json(folder.path(), &["simulate", "--preset", "preset.toml", "--fidelity", "rig", "--json"]);
+    assert_eq!(flown["preset"], "preset.toml");
+    let replayed = json(
+        folder.path(),
+        &[
+            "replay",
+            "run.csv",
+            "--columns",
+            columns,
+            "--preset",
+            "preset.toml",
+            "--scenario",
+            "step",
+            "--json",
+        ],
+    );
+    assert!(replayed["rate_error"]["pitch"].is_number() && replayed["volts_difference"]["main"].is_number());
 }

@@ -7,7 +7,9 @@ mod bench_tuners;
 mod common;
 mod compare;
 mod flash;
+mod identify;
 mod pareto;
+mod replay;
 mod reproduce;
 mod simulate;
 pub mod tables;
@@ -45,6 +47,10 @@ enum Command {
     Reproduce(reproduce::Args),
     /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
     Pareto(pareto::Args),
+    /// A rig's constants, with intervals, from logs of its own runs
+    Identify(identify::Args),
+    /// A log through the firmware's own estimator and law
+    Replay(replay::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
 }
@@ -63,6 +69,8 @@ pub fn main() -> ExitCode {
         Command::BenchTuners(args) => bench_tuners::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Pareto(args) => pareto::run(&args),
+        Command::Identify(args) => identify::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
     };
     match outcome {

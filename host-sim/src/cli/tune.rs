@@ -3,6 +3,7 @@
 use super::common::{Common, catch_interrupts, interrupted, pair};
 use super::tune_report::{document, name_of, summary};
 use super::{print, print_json, tune_robust};
+use crate::checkpoint::check_fresh;
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::figures;
 use crate::flight::{self, Fidelity, Flight, Plan, Scalar};
@@ -14,7 +15,7 @@ use crate::output;
 use crate::plot;
 use crate::rig::NamedRig;
 use crate::scenario::Scenario;
-use crate::tuner::{Conduct, End, Problem, Search, check_fresh};
+use crate::tuner::{Conduct, End, Problem, Search};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -1,0 +1,333 @@
+//! `identify`: a rig's constants from its logs.
+
+use super::common::{Common, catch_interrupts, interrupted};
+use super::{print, print_json, tables};
+use crate::checkpoint::check_fresh;
+use crate::error::{Failure, Outcome, at_least};
+use crate::gains_file::GainsFile;
+use crate::identify::constants;
+use crate::identify::first_guess::{first_guess, swapped};
+use crate::identify::fit::Fit;
+use crate::identify::problem::Problem;
+use crate::identify::search::{Conduct, Effort, End, Search};
+use crate::identify::suggest::{Suggestion, suggest};
+use crate::identify::windows::Run;
+use crate::identify::{self, Parameter, THRESHOLD, WINDOW, figures, identified, offset_of, training_windows};
+use crate::log::{Columns, Log};
+use crate::output;
+use crate::plot;
+use crate::rig::{self, NamedRig};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use twinrotor::plant::presets::Rig;
+
+/// Flags of `identify`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// Logs to fit: CSV with columns t,pitch,yaw,v0,v1 in SI units
+    #[arg(required = true, value_name = "LOG.csv")]
+    logs: Vec<PathBuf>,
+    /// Logs that are kept out of the fit and compared afterwards
+    #[arg(long, value_name = "LOG.csv")]
+    validate: Vec<PathBuf>,
+    /// Other names, signs and units of columns, such as t=time:ms,pitch=-theta:deg,v0=u_main
+    #[arg(long, value_name = "LIST", default_value = "", allow_hyphen_values = true)]
+    columns: String,
+    /// Constants to fit beside the usual ones, such as inertia.yaw
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    free: Vec<String>,
+    /// Constants to leave as the preset has them, such as rotor_time_constant.tail
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    fix: Vec<String>,
+    /// Length of the windows that are fitted \[s\]
+    #[arg(long, value_name = "S", default_value_t = WINDOW, allow_negative_numbers = true)]
+    window: f64,
+    /// Flowers of the search for where to begin
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    population: usize,
+    /// Generations after the first
+    #[arg(long, value_name = "T", default_value_t = 3)]
+    iterations: usize,
+    /// Where to write the preset, for --preset of every other command
+    #[arg(long, value_name = "FILE", default_value = "preset.toml")]
+    out: PathBuf,
+    /// Where to draw logs and residuals (.svg or .png) [default: beside the preset, as .svg]
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Keep the state of the search in this file, so that it can be resumed
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Go on from --checkpoint
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+    /// Write the experiment that would tell most about the worst-known constant, as a scenario to fly
+    #[arg(long, value_name = "SCENARIO.toml")]
+    suggest: Option<PathBuf>,
+    /// Gains that the suggested experiment is flown with [default: the preset's, else the paper's]
+    #[arg(long, value_name = "FILE")]
+    gains: Option<String>,
+}
+
+/// How well a log is explained.
+#[derive(Debug, Serialize)]
+struct LogFit {
+    log: String,
+    role: &'static str,
+    offset_deg: f64,
+    #[serde(flatten)]
+    fit: Fit,
+}
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    preset: &'a str,
+    seed: u64,
+    windows: usize,
+    window_s: f64,
+    cost: f64,
+    descents: Vec<f64>,
+    wall_s: f64,
+    parameters: &'a [Parameter],
+    fits: &'a [LogFit],
+    notes: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    suggestion: Option<String>,
+}
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let begun = Instant::now();
+    let named = args.common.resolve()?;
+    let plot = check_paths(args)?;
+    let window = at_least("--window", args.window, 0.2, false)?;
+    let free = constants::chosen(&args.free, &args.fix)?;
+    let runs = load(&args.logs, args, &named.rig)?;
+    let others = load(&args.validate, args, &named.rig)?;
+    let mut notes = notes(&runs, &others);
+    let regression = first_guess(&runs, &named.rig.plant);
+    notes.extend(swapped(&regression, &named.rig.plant, &runs, 10.0));
+
+    let windows = training_windows(&runs, window)?;
+    let count = windows.len();
+    let problem = Problem::new(&runs, windows, &named.rig.plant, &free, THRESHOLD);
+    catch_interrupts();
+    let mut search = begin(args, &named, &problem, &runs)?;
+    let end = drive(args, &problem, &mut search)?;
+    let Some((found, cost)) = search.best().cloned() else {
+        return Err(if end == End::Interrupted {
+            Failure::Interrupted
+        } else {
+            Failure::Run("no descent came to an end; nothing is written".to_owned())
+        });
+    };
+
+    let plant = problem.plant(&found.values);
+    let rig = identified(&named.rig, plant, &runs)?;
+    let (parameters, known) = identify::parameters(&problem, &found);
+    output::write(&args.out, preset_file(&rig, args, &named).as_bytes())?;
+    let mut compared: Vec<(&Run, f64, &'static str)> =
+        runs.iter().zip(&found.offsets).map(|(run, offset)| (run, *offset, "train")).collect();
+    compared.extend(others.iter().map(|run| (run, offset_of(run, &plant, window), "validate")));
+    let fits: Vec<LogFit> =
+        compared.iter().flat_map(|(run, offset, role)| log_fits(run, *offset, role, &rig)).collect();
+    let drawn: Vec<(&Run, f64)> = compared.iter().map(|(run, offset, _)| (*run, *offset)).collect();
+    figures::residuals(&format!("Windows of {window} s, simulated"), &drawn, &plant, window).write(&plot)?;
+
+    let suggestion = match &args.suggest {
+        Some(path) => {
+            let gains = gains(args, &named)?;
+            let suggestion = suggest(&rig, &gains, &free, &found, (&parameters, &known), window)?;
+            output::write(path, suggestion.toml.as_bytes())?;
+            Some(suggestion)
+        }
+        None => None,
+    };
+
+    let wall_s = begun.elapsed().as_secs_f64();
+    if args.common.json {
+        print_json(&Document {
+            preset: &named.name,
+            seed: args.common.seed,
+            windows: count,
+            window_s: window,
+            cost,
+            descents: search.descents(),
+            wall_s,
+            parameters: &parameters,
+            fits: &fits,
+            notes: &notes,
+            suggestion: suggestion.as_ref().map(told),
+        })?;
+    } else {
+        let heading = format!("{} logs, {count} windows of {window} s, {wall_s:.1} s", runs.len());
+        print(&summary(args, &heading, &parameters, &fits, &notes, suggestion.as_ref(), &plot))?;
+    }
+    match end {
+        End::Interrupted => Err(Failure::Interrupted),
+        End::Complete => Ok(()),
+    }
+}
+
+/// Refuses, before any work is done, what could not be written or searched; gives the figure's path.
+fn check_paths(args: &Args) -> Outcome<PathBuf> {
+    output::check("--out", &args.out)?;
+    let plot = args.plot.clone().unwrap_or_else(|| args.out.with_extension("svg"));
+    plot::check("--plot", &plot)?;
+    if let Some(path) = &args.suggest {
+        output::check("--suggest", path)?;
+    }
+    if !(2..=10_000).contains(&args.population) {
+        return Err(Failure::Input(format!("--population is {}; allowed: 2 to 10000", args.population)));
+    }
+    Ok(plot)
+}
+
+fn load(paths: &[PathBuf], args: &Args, rig: &Rig) -> Outcome<Vec<Run>> {
+    let columns = Columns::parse(&args.columns).map_err(Failure::Input)?;
+    let load = |path: &PathBuf| {
+        let log = Log::load(path, &columns)?;
+        log.check_volts(rig.volts_limit)?;
+        Ok(Run::new(log))
+    };
+    paths.iter().map(load).collect()
+}
+
+fn notes(runs: &[Run], others: &[Run]) -> Vec<String> {
+    let of =
+        |run: &Run| run.log.notes.iter().map(|note| format!("{}: {note}", run.log.name)).collect::<Vec<_>>();
+    runs.iter().chain(others).flat_map(of).collect()
+}
+
+/// A search at its beginning, or where its checkpoint left it.
+fn begin(args: &Args, named: &NamedRig, problem: &Problem<'_>, runs: &[Run]) -> Outcome<Search> {
+    let effort = Effort { population: args.population, iterations: args.iterations, seed: args.common.seed };
+    let logs: Vec<String> = runs.iter().map(|r| format!("{} {}", r.log.name, r.log.angle.len())).collect();
+    let identity = format!(
+        "identify {:?} {logs:?} columns {:?} free {:?} window {} {effort:?}",
+        named.rig,
+        args.columns,
+        problem.free(),
+        args.window
+    );
+    match &args.checkpoint {
+        Some(path) if args.resume => return Search::resume(path, &identity),
+        Some(path) => check_fresh(path)?,
+        None => {}
+    }
+    Ok(Search::new(identity, problem, &named.rig.plant, effort))
+}
+
+fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End> {
+    let bar = ProgressBar::new_spinner();
+    bar.set_style(
+        ProgressStyle::with_template("{spinner} {msg}, {elapsed}").expect("the template is well-formed"),
+    );
+    let progress = |what: &str, cost: f64| {
+        bar.set_message(format!("{what}, best {cost:.6}"));
+        bar.tick();
+    };
+    let conduct =
+        Conduct { checkpoint: args.checkpoint.clone(), interrupted: &interrupted, progress: &progress };
+    let end = search.run(problem, &conduct);
+    bar.finish_and_clear();
+    end
+}
+
+fn log_fits(run: &Run, offset: f64, role: &'static str, rig: &Rig) -> Vec<LogFit> {
+    let named = |fit| LogFit { log: run.log.name.clone(), role, offset_deg: offset.to_degrees(), fit };
+    identify::fits(run, &rig.plant, offset).into_iter().map(named).collect()
+}
+
+fn gains(args: &Args, named: &NamedRig) -> Outcome<GainsFile> {
+    if let Some(name) = &args.gains {
+        return GainsFile::load(name);
+    }
+    let own = twinrotor::defaults::ALL.iter().find(|(name, _)| *name == named.name);
+    Ok(own.map_or_else(GainsFile::paper, |(_, controller)| GainsFile {
+        controller: *controller,
+        provenance: None,
+    }))
+}
+
+/// The preset, with where it came from as a comment.
+fn preset_file(rig: &Rig, args: &Args, named: &NamedRig) -> String {
+    let logs: Vec<String> = args.logs.iter().map(|path| shown(path)).collect();
+    format!(
+        "# identified from {} on the basis of {}, seed {}, by host-sim {}\n{}",
+        logs.join(", "),
+        named.name,
+        args.common.seed,
+        env!("CARGO_PKG_VERSION"),
+        rig::to_toml(rig)
+    )
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string().replace(['\n', '\r'], " ")
+}
+
+fn told(suggestion: &Suggestion) -> String {
+    format!(
+        "{}: {}, which leaves {:.0} % of its interval",
+        suggestion.constant,
+        suggestion.what,
+        100.0 * suggestion.remaining
+    )
+}
+
+fn summary(
+    args: &Args,
+    heading: &str,
+    parameters: &[Parameter],
+    fits: &[LogFit],
+    notes: &[String],
+    suggestion: Option<&Suggestion>,
+    plot: &Path,
+) -> String {
+    let mut text = format!("{heading}\n");
+    let mut table = tables::table(&["constant", "value", "95 % interval", "unit"]);
+    for p in parameters {
+        let interval = match p.ci95 {
+            Some([least, most]) => format!("{least:.4e} to {most:.4e}"),
+            None if p.at_bound => "at its bound".to_owned(),
+            None => "unknown".to_owned(),
+        };
+        tables::add(&mut table, [p.name.to_owned(), format!("{:.4e}", p.value), interval, p.unit.to_owned()]);
+    }
+    let _ = writeln!(text, "{table}");
+    let mut table = tables::table(&["fit [%]", "", "window [s]", "pitch", "yaw"]);
+    let percent = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.1}"));
+    for LogFit { log, role, fit, .. } in fits {
+        let row =
+            [log.clone(), (*role).to_owned(), fit.window_s.to_string(), percent(fit.pitch), percent(fit.yaw)];
+        tables::add(&mut table, row);
+    }
+    let _ = writeln!(text, "{table}");
+    for note in notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    for p in parameters.iter().filter(|p| p.at_bound) {
+        let _ = writeln!(text, "warning: {} lies at the bound {:.3e} that physics sets", p.name, p.value);
+    }
+    for p in parameters.iter().filter(|p| !p.identifiable && !p.at_bound) {
+        let _ = writeln!(
+            text,
+            "warning: {} is not identifiable from this input; fix it (--fix {}) or record more (--suggest)",
+            p.name, p.name
+        );
+    }
+    if let (Some(suggestion), Some(path)) = (suggestion, &args.suggest) {
+        let _ = writeln!(text, "next:    {} ({})", told(suggestion), path.display());
+    }
+    let _ = writeln!(text, "preset:  {}\nfigure:  {}", args.out.display(), plot.display());
+    let _ = writeln!(
+        text,
+        "tune it: cargo run --release -p host-sim tune --preset {} --fidelity rig --objective robust",
+        args.out.display()
+    );
+    text
+}

@@ -1,0 +1,150 @@
+//! From logs to constants: a search by flower pollination for where to begin, descents from there and from what regression and preset
+//! say, and the best of them.
+//!
+//! Search and descent begin with short windows. Over these even a poor plant stays near the log, so there are fewer minima that are
+//! not the right one; where they end, the descent over the windows that were asked for begins.
+
+use super::constants::to_array;
+use super::descent::descend;
+use super::first_guess::first_guess;
+use super::problem::{Guess, Problem};
+use super::training_windows;
+use crate::checkpoint;
+use crate::error::Outcome;
+use crate::optimise::{Bounds, Draws, FlowerPollination, FpaSettings, Optimiser, Variant};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use twinrotor::plant::PlantParameters;
+
+/// How much is searched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Flowers, at least 2.
+    pub population: usize,
+    /// Generations after the first; 0 with no search but the descents.
+    pub iterations: usize,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+/// When to stop and what to leave behind.
+pub struct Conduct<'a> {
+    /// Where to keep the state of the search.
+    pub checkpoint: Option<PathBuf>,
+    /// Asked after every exchange.
+    pub interrupted: &'a dyn Fn() -> bool,
+    /// Shown what is being done, and the best cost so far.
+    pub progress: &'a dyn Fn(&str, f64),
+}
+
+/// Where a search stands; everything that a restart needs.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Search {
+    identity: String,
+    pollination: FlowerPollination,
+    starts: Vec<Vec<f64>>,
+    descents: Vec<(Guess, f64)>,
+}
+
+/// \[s\] Length of the short windows.
+const SHORT: f64 = 1.5;
+/// By how much of a constant's size, beyond the two guesses, it is searched.
+const MARGIN: f64 = 0.5;
+
+impl Search {
+    /// At the beginning: around what regression and `preset` say.
+    pub fn new(
+        identity: String,
+        problem: &Problem<'_>,
+        preset: &PlantParameters<f64>,
+        effort: Effort,
+    ) -> Self {
+        let free = |plant: &PlantParameters<f64>| -> Vec<f64> {
+            let all = to_array(plant);
+            problem.free().iter().map(|k| all[*k]).collect()
+        };
+        let starts = vec![free(&first_guess(problem.logs(), preset)), free(preset)];
+        let range = |k: usize| {
+            let [least, most] = problem.bounds()[k];
+            let (a, b) = (starts[0][k].clamp(least, most), starts[1][k].clamp(least, most));
+            let margin = MARGIN * a.abs().max(b.abs()).max(1e-4 * (most - least));
+            [(a.min(b) - margin).max(least), (a.max(b) + margin).min(most)]
+        };
+        let bounds =
+            Bounds::new((0..problem.free().len()).map(range).collect()).expect("a range with some width");
+        let settings = FpaSettings {
+            population_size: effort.population,
+            evaluations: effort.population * (effort.iterations + 1),
+            ..FpaSettings::published(Variant::Yang)
+        };
+        let pollination = FlowerPollination::new(settings, bounds, Draws::new(effort.seed));
+        Self { identity, pollination, starts, descents: Vec::new() }
+    }
+
+    /// Goes on with the run that `identity` describes.
+    pub fn resume(path: &std::path::Path, identity: &str) -> Outcome<Self> {
+        checkpoint::read(path, identity)
+    }
+
+    /// Searches to the end, or until it is interrupted; then the best so far is what has been found.
+    pub fn run(&mut self, problem: &Problem<'_>, conduct: &Conduct<'_>) -> Outcome<End> {
+        let offsets = vec![0.0; problem.runs()];
+        let short = problem.with_windows(training_windows(problem.logs(), SHORT)?);
+        loop {
+            let asked = self.pollination.ask();
+            if asked.is_empty() {
+                break;
+            }
+            let guess = |values: &[f64]| Guess { values: values.to_vec(), offsets: offsets.clone() };
+            let costs: Vec<f64> = asked.iter().map(|c| short.cost(&guess(&c.position))).collect();
+            self.pollination.tell(&costs);
+            (conduct.progress)("search", self.pollination.best().map_or(f64::INFINITY, |b| b.cost));
+            self.save(conduct)?;
+            if (conduct.interrupted)() {
+                return Ok(End::Interrupted);
+            }
+        }
+        if let Some(best) = self.pollination.best() {
+            let found = best.position.clone();
+            self.starts.truncate(2);
+            self.starts.push(found);
+        }
+        while let Some(start) = self.starts.get(self.descents.len()) {
+            let from = Guess { values: start.clone(), offsets: offsets.clone() };
+            let (near, _) = descend(&short, &from);
+            self.descents.push(descend(problem, &near));
+            (conduct.progress)("descent", self.best().map_or(f64::INFINITY, |(_, cost)| *cost));
+            self.save(conduct)?;
+            if (conduct.interrupted)() {
+                return Ok(End::Interrupted);
+            }
+        }
+        Ok(End::Complete)
+    }
+
+    fn save(&self, conduct: &Conduct<'_>) -> Outcome<()> {
+        match &conduct.checkpoint {
+            Some(path) => checkpoint::write(path, &self.identity, self),
+            None => Ok(()),
+        }
+    }
+
+    /// The best descent so far.
+    pub fn best(&self) -> Option<&(Guess, f64)> {
+        self.descents.iter().filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Where every descent ended: costs, in the order regression, preset, search.
+    pub fn descents(&self) -> Vec<f64> {
+        self.descents.iter().map(|(_, cost)| *cost).collect()
+    }
+}
+
+/// How a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// All descents are done.
+    Complete,
+    /// It was interrupted.
+    Interrupted,
+}
