@@ -2,7 +2,7 @@
 //!
 //! Output error: the core's plant is fed the volts of a log and its constants are moved until its angles look like the logged ones.
 //! In the order of a run: [`windows`] cuts logs, [`first_guess`] finds where to begin, [`problem`] is the least squares, [`search`]
-//! and [`descent`] solve it, [`interval`] says how well each constant is known, [`fit`] how well the logs are explained, and
+//! and [`descent`] solve it, [`interval`] says how well each constant is known, [`mod@fit`] how well the logs are explained, and
 //! [`suggest`] which experiment would tell more.
 
 pub mod constants;

@@ -6,7 +6,7 @@
 //! simplification). What remains has as many unknowns as there are constants and runs.
 //!
 //! Residuals are in parts of each angle's standard deviation over its log, so the sum of squares is what the fit in percent is made
-//! of; one beyond [`Problem::threshold`] counts by its size rather than its square.
+//! of; one beyond a threshold counts by its size rather than its square.
 
 use super::constants::{CONSTANTS, COUNT, from_array, to_array};
 use super::windows::{Run, Window};
