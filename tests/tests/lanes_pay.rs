@@ -9,12 +9,14 @@ use host_sim::metrics::{Criterion, Integral};
 use host_sim::objective::Objective;
 use host_sim::optimise::Candidate;
 use host_sim::scenario::{SAMPLE_TIME, Scenario};
+use host_sim::tuner::Problem;
 use std::hint::black_box;
 use std::time::Instant;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::gains;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::PAPER;
+use twinrotor::real::Real;
 
 fn seconds(work: impl FnOnce()) -> f64 {
     let begun = Instant::now();
@@ -27,7 +29,7 @@ fn sixteen_side_by_side_take_less_than_a_third_of_sixteen_in_turn() {
     let mut scenario = Scenario::load("step").unwrap();
     scenario.duration = 2.0;
     let references = scenario.references::<f32>();
-    let settings = GainsFile::paper().settings(&PAPER).map(|x| x as f32);
+    let settings = GainsFile::paper().settings(&PAPER).map(f32::from_f64);
     let position = gains::PAPER.to_paper_order().to_vec();
     let candidates = vec![Candidate { position, bound: f64::INFINITY }; LANES];
     let objective = Objective::new(Criterion::Ise, &PAPER, &scenario, Fidelity::Ideal, 1);
