@@ -2,8 +2,7 @@
 //! CSV; by the file's extension.
 
 use crate::error::{Failure, Outcome};
-use crate::figures::Curve;
-use crate::flight::Row;
+use crate::flight::{Reading, Row};
 use crate::output;
 use mcap::records::MessageHeader;
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -59,7 +58,7 @@ fn failed(path: &Path, error: impl std::fmt::Display) -> Failure {
 impl Table {
     /// A flight, SI units, the columns of `simulate --csv`.
     pub fn of_flight(rows: &[Row]) -> Self {
-        let columns: [Curve<'_>; 11] = [
+        let columns: [(&str, Reading); 11] = [
             ("t", |r| (r.time * 1e6).round() / 1e6),
             ("theta", |r| r.state.angle.pitch),
             ("theta_dot", |r| r.state.rate.pitch),

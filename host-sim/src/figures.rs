@@ -1,6 +1,6 @@
 //! What the commands draw.
 
-use crate::flight::{Flight, Row};
+use crate::flight::{Flight, Reading, Row};
 use crate::optimise::Compromise;
 use crate::peers::Peer;
 use crate::plot::{Band, COLOURS, Figure, Line, Panel, Stroke};
@@ -146,11 +146,8 @@ pub fn convergence(title: &str, peers: &[Peer], best_known: f64, budget: usize) 
     Figure { title: title.to_owned(), x_label: "evaluations".to_owned(), panels: vec![panel] }
 }
 
-/// A name, and what is drawn of a row.
-pub type Curve<'a> = (&'a str, fn(&Row) -> f64);
-
 /// Some numbers of a flight over time.
-pub fn over_time(title: &str, y_label: &str, rows: &[Row], curves: &[Curve<'_>]) -> Figure {
+pub fn over_time(title: &str, y_label: &str, rows: &[Row], curves: &[(&str, Reading)]) -> Figure {
     let lines = curves.iter().enumerate().map(|(k, (name, value))| line(name, k, rows, value)).collect();
     let panel = Panel { y_label: y_label.to_owned(), lines, ..Panel::default() };
     Figure { title: title.to_owned(), x_label: String::new(), panels: vec![panel] }

@@ -66,6 +66,9 @@ pub struct Row {
     pub disturbance: PerMotor<f64>,
 }
 
+/// What is read off a row.
+pub type Reading = fn(&Row) -> f64;
+
 /// A flight.
 #[derive(Debug, Clone)]
 pub struct Flight {
