@@ -196,9 +196,8 @@ fn a_number_that_is_none() {
 
 #[test]
 fn a_cleared_fault_arms_again_and_the_estimate_starts_afresh() {
-    // Not the built-in controller: see "What does not hold" in docs/firmware.md.
     let papers = (presets::PAPER, papers(&presets::PAPER));
-    for (rig, parameters) in [papers, record::tuned("paper")] {
+    for (rig, parameters) in [papers, record::tuned("paper"), record::tuned("aero2")] {
         clear_and_fly_on(&mut flying_with(&rig, &parameters));
     }
 }
