@@ -98,6 +98,17 @@ impl Log {
         self.time.last().copied().unwrap_or(0.0)
     }
 
+    /// Of every row, to tell one recording from another of the same name.
+    pub fn checksum(&self) -> u32 {
+        let mut sum = crc32fast::Hasher::new();
+        for ((time, angle), volts) in self.time.iter().zip(&self.angle).zip(&self.volts) {
+            for number in [time, &angle.pitch, &angle.yaw, &volts.main, &volts.tail] {
+                sum.update(&number.to_le_bytes());
+            }
+        }
+        sum.finalize()
+    }
+
     /// Which axes move at all. One that does not is locked: its angle says nothing, and its body does not turn.
     pub fn moves(&self) -> PerAxis<bool> {
         let moves = |of: fn(&PerAxis<f64>) -> f64| {

@@ -167,9 +167,4 @@ impl Search {
     fn save(&self, path: &Path) -> Outcome<()> {
         checkpoint::write(path, &self.identity, self)
     }
-
-    /// Reads a checkpoint of the run that `identity` describes.
-    pub fn resume(path: &Path, identity: &str) -> Outcome<Self> {
-        checkpoint::read(path, identity)
-    }
 }

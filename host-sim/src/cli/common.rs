@@ -1,8 +1,11 @@
 //! Flags that several commands share, and how they are resolved.
 
+use crate::checkpoint;
 use crate::error::{Failure, Outcome, at_least};
 use crate::rig::{self, NamedRig};
 use clap::Args;
+use serde::de::DeserializeOwned;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use twinrotor::axes::PerMotor;
 
@@ -41,6 +44,33 @@ impl Common {
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         Ok(named)
+    }
+}
+
+/// Of every command that searches.
+#[derive(Debug, Args)]
+pub(super) struct Checkpoint {
+    /// Keep the state of the search in this file, so that it can be resumed
+    #[arg(id = "checkpoint", long = "checkpoint", value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Go on from --checkpoint
+    #[arg(long, requires = "checkpoint")]
+    pub resume: bool,
+}
+
+impl Checkpoint {
+    /// What the file holds with `--resume`; without, a new search and a checkpoint that nothing is lost by.
+    pub(super) fn resume_or<S: DeserializeOwned>(
+        &self,
+        identity: String,
+        new: impl FnOnce(String) -> S,
+    ) -> Outcome<S> {
+        match &self.file {
+            Some(path) if self.resume => return checkpoint::read(path, &identity),
+            Some(path) => checkpoint::check_fresh(path)?,
+            None => {}
+        }
+        Ok(new(identity))
     }
 }
 

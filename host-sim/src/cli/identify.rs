@@ -1,8 +1,7 @@
 //! `identify`: a rig's constants from its logs.
 
-use super::common::{Common, catch_interrupts, interrupted};
+use super::common::{Checkpoint, Common, catch_interrupts, interrupted};
 use super::{print, print_json, tables};
-use crate::checkpoint::check_fresh;
 use crate::error::{Failure, Outcome, at_least};
 use crate::gains_file::GainsFile;
 use crate::identify::constants;
@@ -59,12 +58,8 @@ pub(super) struct Args {
     /// Where to draw logs and residuals (.svg or .png) [default: beside the preset, as .svg]
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Keep the state of the search in this file, so that it can be resumed
-    #[arg(long, value_name = "FILE")]
-    checkpoint: Option<PathBuf>,
-    /// Go on from --checkpoint
-    #[arg(long, requires = "checkpoint")]
-    resume: bool,
+    #[command(flatten)]
+    checkpoint: Checkpoint,
     /// Write the experiment that would tell most about the worst-known constant, as a scenario to fly
     #[arg(long, value_name = "SCENARIO.toml")]
     suggest: Option<PathBuf>,
@@ -205,7 +200,7 @@ fn notes(runs: &[Run], others: &[Run]) -> Vec<String> {
 /// A search at its beginning, or where its checkpoint left it.
 fn begin(args: &Args, named: &NamedRig, problem: &Problem<'_>, runs: &[Run]) -> Outcome<Search> {
     let effort = Effort { population: args.population, iterations: args.iterations, seed: args.common.seed };
-    let logs: Vec<String> = runs.iter().map(|r| format!("{} {}", r.log.name, r.log.angle.len())).collect();
+    let logs: Vec<String> = runs.iter().map(|r| format!("{} {:08x}", r.log.name, r.log.checksum())).collect();
     let identity = format!(
         "identify {:?} {logs:?} columns {:?} free {:?} window {} {effort:?}",
         named.rig,
@@ -213,12 +208,7 @@ fn begin(args: &Args, named: &NamedRig, problem: &Problem<'_>, runs: &[Run]) -> 
         problem.free(),
         args.window
     );
-    match &args.checkpoint {
-        Some(path) if args.resume => return Search::resume(path, &identity),
-        Some(path) => check_fresh(path)?,
-        None => {}
-    }
-    Ok(Search::new(identity, problem, &named.rig.plant, effort))
+    args.checkpoint.resume_or(identity, |identity| Search::new(identity, problem, &named.rig.plant, effort))
 }
 
 fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End> {
@@ -231,7 +221,7 @@ fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End
         bar.tick();
     };
     let conduct =
-        Conduct { checkpoint: args.checkpoint.clone(), interrupted: &interrupted, progress: &progress };
+        Conduct { checkpoint: args.checkpoint.file.clone(), interrupted: &interrupted, progress: &progress };
     let end = search.run(problem, &conduct);
     bar.finish_and_clear();
     end

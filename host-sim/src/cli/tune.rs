@@ -1,9 +1,8 @@
 //! `tune`: breed gains.
 
-use super::common::{Common, catch_interrupts, interrupted, pair};
+use super::common::{Checkpoint, Common, catch_interrupts, interrupted, pair};
 use super::tune_report::{document, name_of, summary};
 use super::{print, print_json, tune_robust};
-use crate::checkpoint::check_fresh;
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::figures;
 use crate::flight::{self, Fidelity, Flight, Plan, Scalar};
@@ -58,12 +57,8 @@ pub(super) struct Args {
     /// Where to draw both step responses (.svg or .png) [default: beside the gains, as .svg]
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Keep the state of the search in this file, so that it can be resumed
-    #[arg(long, value_name = "FILE")]
-    checkpoint: Option<PathBuf>,
-    /// Go on from --checkpoint
-    #[arg(long, requires = "checkpoint")]
-    resume: bool,
+    #[command(flatten)]
+    pub(super) checkpoint: Checkpoint,
     /// Stop after this many seconds with the best so far
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(super) time_limit: Option<f64>,
@@ -207,23 +202,9 @@ fn begin(args: &Args, request: &Request) -> Outcome<Search> {
         request.setup,
     );
     let bounds = Bounds::new(vec![request.bounds; NAMES.len()]).map_err(Failure::Input)?;
-    resume_or(args, identity, |identity| {
+    args.checkpoint.resume_or(identity, |identity| {
         Search::new(identity, request.setup.start(bounds, Draws::new(args.common.seed)))
     })
-}
-
-/// What `--checkpoint` holds with `--resume`; without, a new search and a checkpoint that nothing is lost by.
-pub(super) fn resume_or(
-    args: &Args,
-    identity: String,
-    new: impl FnOnce(String) -> Search,
-) -> Outcome<Search> {
-    match &args.checkpoint {
-        Some(path) if args.resume => return Search::resume(path, &identity),
-        Some(path) => check_fresh(path)?,
-        None => {}
-    }
-    Ok(new(identity))
 }
 
 /// Drives a search to its end, with a bar on a terminal.
@@ -244,7 +225,7 @@ pub(super) fn drive(
         bar.set_message(format!("{cost:.6}"));
     };
     let conduct = Conduct {
-        checkpoint: args.checkpoint.clone(),
+        checkpoint: args.checkpoint.file.clone(),
         time_limit: request.time_limit,
         interrupted: &interrupted,
         progress: &progress,

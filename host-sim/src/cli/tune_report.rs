@@ -7,6 +7,7 @@ use crate::flight::{Fidelity, Flight};
 use crate::gains_file::GainsFile;
 use crate::metrics::Criterion;
 use crate::objective::Objective;
+use crate::rig::NamedRig;
 use crate::scenario::SAMPLE_TIME;
 use crate::tuner::{Effort, Search};
 use serde::Serialize;
@@ -22,13 +23,11 @@ pub(super) fn name_of(criterion: Criterion) -> String {
     format!("{criterion:?}").to_lowercase()
 }
 
+/// A search's effort and course, of whatever objective.
 #[derive(Debug, Serialize)]
-pub(super) struct Document<'a> {
+pub(super) struct Run<'a> {
     algorithm: &'a str,
     preset: &'a str,
-    objective: Criterion,
-    scenario: &'a str,
-    fidelity: Fidelity,
     seed: u64,
     evaluations: usize,
     cost: f64,
@@ -38,8 +37,43 @@ pub(super) struct Document<'a> {
     steps_simulated: u64,
     steps_skipped: u64,
     diverged: u64,
-    gains: &'a GainsFile,
     history: &'a [(usize, f64)],
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(
+        args: &'a Args,
+        named: &'a NamedRig,
+        search: &'a Search,
+        horizon_s: f64,
+        wall_s: f64,
+    ) -> Self {
+        let Effort { simulated, skipped, diverged } = search.effort();
+        Self {
+            algorithm: &args.algorithm,
+            preset: &named.name,
+            seed: args.common.seed,
+            evaluations: search.evaluations(),
+            cost: search.best().map_or(f64::INFINITY, |b| b.cost),
+            wall_s,
+            horizon_s,
+            tick_s: SAMPLE_TIME,
+            steps_simulated: simulated,
+            steps_skipped: skipped,
+            diverged,
+            history: search.history(),
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Document<'a> {
+    #[serde(flatten)]
+    run: Run<'a>,
+    objective: Criterion,
+    scenario: &'a str,
+    fidelity: Fidelity,
+    gains: &'a GainsFile,
 }
 
 pub(super) fn document<'a>(
@@ -49,24 +83,12 @@ pub(super) fn document<'a>(
     found: &'a GainsFile,
     wall_s: f64,
 ) -> Document<'a> {
-    let Effort { simulated, skipped, diverged } = search.effort();
     Document {
-        algorithm: &args.algorithm,
-        preset: &request.named.name,
+        run: Run::new(args, &request.named, search, request.scenario.duration, wall_s),
         objective: request.criterion,
         scenario: &request.scenario.name,
         fidelity: args.fidelity,
-        seed: args.common.seed,
-        evaluations: search.evaluations(),
-        cost: search.best().map_or(f64::INFINITY, |b| b.cost),
-        wall_s,
-        horizon_s: request.scenario.duration,
-        tick_s: SAMPLE_TIME,
-        steps_simulated: simulated,
-        steps_skipped: skipped,
-        diverged,
         gains: found,
-        history: search.history(),
     }
 }
 

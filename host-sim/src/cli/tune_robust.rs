@@ -1,13 +1,13 @@
 //! `tune --objective robust`: any parameter of any controller, on many plants at once.
 
-use super::tune::{Args, Request, drive, resume_or};
+use super::tune::{Args, Request, drive};
+use super::tune_report::Run;
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::gains_file::{GainsFile, Provenance};
 use crate::output;
 use crate::rig::NamedRig;
 use crate::robust::{self, CATALOGUE, Plan, Robust, Terms, Trial};
-use crate::scenario::SAMPLE_TIME;
 use crate::tunable::Tunable;
 use crate::tuner::{End, Search};
 use serde::Serialize;
@@ -17,23 +17,13 @@ use twinrotor::controller::ControllerSettings;
 
 #[derive(Debug, Serialize)]
 struct Document<'a> {
-    algorithm: &'a str,
-    preset: &'a str,
+    #[serde(flatten)]
+    run: Run<'a>,
     objective: &'static str,
-    seed: u64,
     plants: usize,
-    evaluations: usize,
-    cost: f64,
-    wall_s: f64,
-    horizon_s: f64,
-    tick_s: f64,
-    steps_simulated: u64,
-    steps_skipped: u64,
-    diverged: u64,
     terms: Terms,
     failures: usize,
     gains: &'a GainsFile,
-    history: &'a [(usize, f64)],
 }
 
 /// Tunes, writes and reports.
@@ -55,7 +45,7 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
     let identity =
         format!("{} {:?} robust {} plants {tunable:?} {plan:?}", named.name, named.rig, args.plants);
     let fresh = |identity| Search::new(identity, plan.start(tunable.names().len()));
-    let mut search = resume_or(args, identity, fresh)?;
+    let mut search = args.checkpoint.resume_or(identity, fresh)?;
     let end = drive(args, request, &Robust::new(&trial, &tunable), &mut search)?;
     let best = search.best().expect("the start is evaluated first");
     let found = tunable.controller(&best.position);
@@ -76,23 +66,12 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
     let after = trial.scores(&found);
     if args.common.json {
         print_json(&Document {
-            algorithm: &args.algorithm,
-            preset: &named.name,
+            run: Run::new(args, named, &search, 2.0 * trial.allowance, begun.elapsed().as_secs_f64()),
             objective: "robust",
-            seed,
             plants: args.plants,
-            evaluations: search.evaluations(),
-            cost: best.cost,
-            wall_s: begun.elapsed().as_secs_f64(),
-            horizon_s: 2.0 * trial.allowance,
-            tick_s: SAMPLE_TIME,
-            steps_simulated: search.effort().simulated,
-            steps_skipped: 0,
-            diverged: search.effort().diverged,
             terms: Terms::mean(after.iter().map(robust::Score::terms)),
             failures: after.iter().filter(|s| s.failed).count(),
             gains: &file,
-            history: search.history(),
         })?;
     } else {
         print(&summary(args, named, &tunable, &search, &found, [&before, &after], begun))?;

@@ -81,11 +81,6 @@ impl Search {
         Self { identity, pollination, starts, descents: Vec::new() }
     }
 
-    /// Goes on with the run that `identity` describes.
-    pub fn resume(path: &std::path::Path, identity: &str) -> Outcome<Self> {
-        checkpoint::read(path, identity)
-    }
-
     /// Searches to the end, or until it is interrupted; then the best so far is what has been found.
     pub fn run(&mut self, problem: &Problem<'_>, conduct: &Conduct<'_>) -> Outcome<End> {
         let offsets = vec![0.0; problem.runs()];

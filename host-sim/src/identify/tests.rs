@@ -1,6 +1,7 @@
 //! Known constants, simulated logs, and whether the constants come back.
 
 use super::*;
+use crate::checkpoint;
 use crate::log::Log;
 use crate::optimise::Draws;
 use constants::{chosen, from_array, to_array};
@@ -192,11 +193,13 @@ fn a_search_that_was_interrupted_ends_as_if_it_was_not() {
     let mut part = new();
     let mut ends = 0;
     while part.run(&problem, &quiet(Some(path.clone()), &|| true)).unwrap() == search::End::Interrupted {
-        part = Search::resume(&path, "this").unwrap();
+        part = checkpoint::read(&path, "this").unwrap();
         ends += 1;
         assert!(ends < 50);
     }
     assert!(ends > 3);
     assert_eq!(part.best(), whole.best());
-    assert!(Search::resume(&path, "that").unwrap_err().to_string().contains("belongs to another run"));
+    assert!(
+        checkpoint::read::<Search>(&path, "that").unwrap_err().to_string().contains("belongs to another run")
+    );
 }

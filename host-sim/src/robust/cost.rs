@@ -114,9 +114,13 @@ impl Terms {
 
 /// J = mean(c) + q90(c)/2.
 pub fn total(scores: &[Score]) -> f64 {
-    let costs: Vec<f64> = scores.iter().map(Score::cost).collect();
+    of(&scores.iter().map(Score::cost).collect::<Vec<_>>())
+}
+
+/// J of these costs.
+pub(super) fn of(costs: &[f64]) -> f64 {
     let mean = costs.iter().sum::<f64>() / costs.len() as f64;
-    mean + 0.5 * quantile(&costs, 0.9)
+    mean + 0.5 * quantile(costs, 0.9)
 }
 
 /// The value below which a part of `values` lies, straight between neighbours.

@@ -34,6 +34,9 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
 use twinrotor::reference::ticks;
 
+/// A cost must exceed its bound by this part before the rest is left out: its sums are rounded.
+const SURELY: f64 = 1.0 + 1e-9;
+
 /// A rig and the plants around it.
 #[derive(Debug, Clone)]
 pub struct Trial {
@@ -53,13 +56,42 @@ impl Trial {
 
     /// The scores of a controller, in the order of the plants.
     pub fn scores(&self, controller: &ControllerSettings<f64>) -> Vec<Score> {
-        let settings = Settings::new(&self.rig, *controller, SAMPLE_TIME).map(f32::from_f64);
+        let settings = self.settings(controller);
+        self.plants.par_chunks(LANES).flat_map_iter(|group| self.fly(&settings, group)).collect()
+    }
+
+    /// As [`Trial::scores`], or `None` as soon as J is sure not to be below `bound`; and how many plants were flown.
+    ///
+    /// The plants still to be flown cost nothing less than nothing, and J falls with none of its costs.
+    pub fn scores_below(
+        &self,
+        controller: &ControllerSettings<f64>,
+        bound: f64,
+    ) -> (Option<Vec<Score>>, usize) {
+        if bound == f64::INFINITY {
+            return (Some(self.scores(controller)), self.plants.len());
+        }
+        let settings = self.settings(controller);
+        let mut scores = Vec::with_capacity(self.plants.len());
+        for group in self.plants.chunks(LANES) {
+            scores.extend(self.fly(&settings, group));
+            let mut costs: Vec<f64> = scores.iter().map(Score::cost).collect();
+            costs.resize(self.plants.len(), 0.0);
+            if cost::of(&costs) > bound * SURELY {
+                return (None, scores.len());
+            }
+        }
+        let flown = scores.len();
+        (Some(scores), flown)
+    }
+
+    fn settings(&self, controller: &ControllerSettings<f64>) -> Settings<f32> {
+        Settings::new(&self.rig, *controller, SAMPLE_TIME).map(f32::from_f64)
+    }
+
+    fn fly(&self, settings: &Settings<f32>, group: &[Draw]) -> Vec<Score> {
         let disturbance = ticks(self.allowance, SAMPLE_TIME);
-        let when = Schedule { disturbance, end: 2 * disturbance };
-        self.plants
-            .par_chunks(LANES)
-            .flat_map_iter(|group| kernel::scores(&self.rig, &settings, group, when))
-            .collect()
+        kernel::scores(&self.rig, settings, group, Schedule { disturbance, end: 2 * disturbance })
     }
 
     /// J.
@@ -67,8 +99,8 @@ impl Trial {
         total(&self.scores(controller))
     }
 
-    /// Closed-loop steps of one evaluation.
+    /// Closed-loop steps of a flight.
     pub fn steps(&self) -> u64 {
-        2 * u64::from(ticks(self.allowance, SAMPLE_TIME)) * self.plants.len() as u64
+        2 * u64::from(ticks(self.allowance, SAMPLE_TIME))
     }
 }

@@ -18,24 +18,33 @@ pub struct Robust<'a> {
     pub trial: &'a Trial,
     /// The controller.
     pub tunable: &'a Tunable,
-    evaluated: AtomicU64,
+    flown: AtomicU64,
+    spared: AtomicU64,
     diverged: AtomicU64,
 }
 
 impl<'a> Robust<'a> {
     /// Positions are logarithms of factors on the start values of `tunable`.
     pub fn new(trial: &'a Trial, tunable: &'a Tunable) -> Self {
-        Self { trial, tunable, evaluated: AtomicU64::new(0), diverged: AtomicU64::new(0) }
+        Self {
+            trial,
+            tunable,
+            flown: AtomicU64::new(0),
+            spared: AtomicU64::new(0),
+            diverged: AtomicU64::new(0),
+        }
     }
 
-    fn cost(&self, position: &[f64]) -> f64 {
-        let controller = self.tunable.controller(position);
+    fn cost(&self, candidate: &Candidate) -> f64 {
+        let controller = self.tunable.controller(&candidate.position);
         // What no gains file could hold is no candidate.
         if controller.validate().is_err() {
             return f64::INFINITY;
         }
-        let scores = self.trial.scores(&controller);
-        self.evaluated.fetch_add(1, Ordering::Relaxed);
+        let (scores, flown) = self.trial.scores_below(&controller, candidate.bound);
+        self.flown.fetch_add(flown as u64, Ordering::Relaxed);
+        self.spared.fetch_add((self.trial.plants.len() - flown) as u64, Ordering::Relaxed);
+        let Some(scores) = scores else { return f64::INFINITY };
         self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
         super::total(&scores)
     }
@@ -45,13 +54,13 @@ impl Problem for Robust<'_> {
     /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`](super::Score::diverged)), so that the
     /// search learns in which direction fewer do.
     fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
-        candidates.par_iter().map(|candidate| self.cost(&candidate.position)).collect()
+        candidates.par_iter().map(|candidate| self.cost(candidate)).collect()
     }
 
     fn effort(&self) -> Effort {
-        let evaluated = self.evaluated.load(Ordering::Relaxed);
+        let steps = |flights: &AtomicU64| self.trial.steps() * flights.load(Ordering::Relaxed);
         let diverged = self.diverged.load(Ordering::Relaxed);
-        Effort { simulated: self.trial.steps() * evaluated, skipped: 0, diverged }
+        Effort { simulated: steps(&self.flown), skipped: steps(&self.spared), diverged }
     }
 }
 
@@ -119,5 +128,33 @@ impl Tuning {
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
         Ok(GainsFile { controller: tunable.controller(&best.position), provenance: Some(provenance) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twinrotor::defaults;
+    use twinrotor::plant::presets::AERO2;
+
+    #[test]
+    fn plants_are_spared_only_where_the_candidate_cannot_win() {
+        let trial = Trial::new(&AERO2, 40, 1, 1.5);
+        let tunable = Tunable::new(&defaults::AERO2, &[]).unwrap();
+        let mut spared = 0;
+        for factor in [0.3, 1.0, 2.0] {
+            let controller = tunable.controller(&vec![f64::ln(factor); tunable.names().len()]);
+            let all = trial.scores(&controller);
+            let cost = super::super::total(&all);
+            for part in [0.2, 0.5, 0.8, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, f64::INFINITY] {
+                let (scores, flown) = trial.scores_below(&controller, part * cost);
+                spared += all.len() - flown;
+                match scores {
+                    Some(scores) => assert_eq!(scores, all),
+                    None => assert!(part < 1.0, "factor {factor}: {part} of its cost is above it"),
+                }
+            }
+        }
+        assert!(spared > 0);
     }
 }
