@@ -3,6 +3,13 @@
 //! r''' = ω³ (q_d - r) + 3 ω² (q̇_d - ṙ) + 3 ω (q̈_d - r̈): three poles at -ω, and no lag behind a reference that brings
 //! its derivatives. The jerk is held over a tick, so that angle, rate and acceleration are exact integrals of each other.
 //!
+//! The error q_d - r is clamped to the filter's reach. Within it nothing changes; a longer way is gone at the steady rate ω reach/3,
+//! and no way asks for more acceleration than .2331 ω² reach, where a step of that size asks for .2306: a controller that is tried on
+//! the one holds on the other
+//! (a command filter with a limited rate, as in Farrell, Polycarpou, Sharma and Dong, "Command filtered backstepping", IEEE
+//! Transactions on Automatic Control 54(6), 2009). It does not overshoot: from that rate
+//! the remaining error is (1 + 2 ωt/3 + (ωt)²/6) exp(-ωt) of the reach.
+//!
 //! A law that is given a raw jump asks for its full stiffness at once and clips the voltage, where no stability argument
 //! holds; a filtered one asks for what the rotors can follow.
 
@@ -18,6 +25,8 @@ use serde::{Deserialize, Serialize};
 pub struct FilterSettings<R> {
     /// \[rad/s\] ω of each axis, above 0.
     pub bandwidth: PerAxis<R>,
+    /// \[rad\] Beyond this error each axis goes at a steady rate; above 0. Left out, there is none.
+    pub reach: Option<PerAxis<R>>,
 }
 
 /// The filter at work.
@@ -27,6 +36,7 @@ pub struct CommandFilter<R> {
     stiffness: PerAxis<R>,
     damping: PerAxis<R>,
     following: PerAxis<R>,
+    reach: PerAxis<R>,
     /// \[s\], \[s²\], \[s³\]: T, T²/2, T³/6.
     step: [R; 3],
     now: Reference<R>,
@@ -34,18 +44,19 @@ pub struct CommandFilter<R> {
 
 impl<R: Real> FilterSettings<R> {
     /// Each number through `f`.
-    pub fn map<U>(self, f: impl FnMut(R) -> U) -> FilterSettings<U> {
-        FilterSettings { bandwidth: self.bandwidth.map(f) }
+    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> FilterSettings<U> {
+        FilterSettings { bandwidth: self.bandwidth.map(&mut f), reach: self.reach.map(|reach| reach.map(f)) }
     }
 }
 
 impl<R: Real<Mask = bool>> FilterSettings<R> {
-    /// Usable bandwidths.
+    /// Usable bandwidths and reaches.
     ///
     /// # Errors
     /// Names the field.
     pub fn validate(&self) -> Result<(), Invalid<R>> {
-        both(["filter.bandwidth.pitch", "filter.bandwidth.yaw"], self.bandwidth, positive)
+        both(["filter.bandwidth.pitch", "filter.bandwidth.yaw"], self.bandwidth, positive)?;
+        self.reach.map_or(Ok(()), |reach| both(["filter.reach.pitch", "filter.reach.yaw"], reach, positive))
     }
 }
 
@@ -58,6 +69,7 @@ impl<R: Real> CommandFilter<R> {
             stiffness: settings.bandwidth.map(|w| w * w * w),
             damping: settings.bandwidth.map(|w| three * (w * w)),
             following: settings.bandwidth.map(|w| three * w),
+            reach: settings.reach.unwrap_or(PerAxis::both(R::from_f64(f64::INFINITY))),
             step: [sample_time, square * R::from_f64(0.5), square * sample_time * R::from_f64(1.0 / 6.0)],
             now: Reference::at_rest(angle),
         }
@@ -72,7 +84,8 @@ impl<R: Real> CommandFilter<R> {
     #[inline(always)]
     pub fn step(&mut self, wanted: &Reference<R>) -> Reference<R> {
         let now = self.now;
-        let pull = self.stiffness.zip(wanted.angle.minus(now.angle), |k, e| k * e);
+        let error = wanted.angle.minus(now.angle).zip(self.reach, |e, reach| e.clamp(-reach, reach));
+        let pull = self.stiffness.zip(error, |k, e| k * e);
         let damp = self.damping.zip(wanted.rate.minus(now.rate), |k, e| k * e);
         let follow = self.following.zip(wanted.accel.minus(now.accel), |k, e| k * e);
         let jerk = pull.plus(damp).plus(follow);
@@ -96,7 +109,7 @@ mod tests {
     const T: f64 = 1e-3;
 
     fn filter(bandwidth: f64) -> CommandFilter<f64> {
-        let settings = FilterSettings { bandwidth: PerAxis::both(bandwidth) };
+        let settings = FilterSettings { bandwidth: PerAxis::both(bandwidth), reach: None };
         CommandFilter::new(&settings, PerAxis::zero(), T)
     }
 
@@ -127,6 +140,35 @@ mod tests {
             assert!((bend - 0.5 * (now.accel.pitch + last.accel.pitch)).abs() < 1e-9);
             last = now;
         }
+    }
+
+    /// Within its reach a step is what it would be without; beyond, the rate is ω reach/3, and the acceleration (closed forms) hardly
+    /// more than a step of its reach asks for.
+    #[test]
+    fn a_far_goal_asks_for_hardly_more_than_one_within_reach() {
+        let reach = 0.5;
+        let settings = FilterSettings { bandwidth: PerAxis::both(4.0), reach: Some(PerAxis::both(reach)) };
+        let fly = |goal: f64| {
+            let mut f = CommandFilter::new(&settings, PerAxis::zero(), T);
+            (0..8_000)
+                .map(move |_| f.step(&Reference::at_rest(PerAxis::both(goal))))
+                .collect::<std::vec::Vec<_>>()
+        };
+        let mut free = filter(4.0);
+        for r in fly(reach) {
+            assert_eq!(r, free.step(&Reference::at_rest(PerAxis::both(reach))));
+        }
+        let most = |flight: &[Reference<f64>], of: fn(&Reference<f64>) -> f64| {
+            flight.iter().map(of).fold(0.0, |most: f64, x| most.max(x.abs()))
+        };
+        let (near, far) = (fly(reach), fly(-3.0));
+        for (flight, peak) in [(&near, 0.2306), (&far, 0.2331)] {
+            assert!((most(flight, |r| r.accel.yaw) / (16.0 * reach) - peak).abs() < 1e-3);
+        }
+        let steady = 4.0 * reach / 3.0;
+        assert!((most(&far, |r| r.rate.yaw) - steady).abs() < 5e-3 * steady);
+        assert!(most(&far, |r| r.angle.yaw) < 3.0 + 1e-9);
+        assert!((far[7_999].angle.yaw + 3.0).abs() < 1e-5);
     }
 
     #[test]

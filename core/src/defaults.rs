@@ -28,7 +28,10 @@ pub const PAPER: ControllerSettings<f64> = ControllerSettings {
     estimator: EstimatorSettings::Luenberger {
         bandwidth: PerAxis::new(323.58319776270133, 143.90020753813138),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(12.742938774332734, 8.32645781862359) }),
+    filter: Some(FilterSettings {
+        bandwidth: PerAxis::new(12.742938774332734, 8.32645781862359),
+        reach: None,
+    }),
     allocation: AllocationSettings::Weighted { pitch_weight: 1.821978848304778 },
     lead: None,
     cancellation: None,
@@ -53,7 +56,10 @@ pub const PAPER_FIXED: ControllerSettings<f64> = ControllerSettings {
     estimator: EstimatorSettings::ExtendedState {
         bandwidth: PerAxis::new(17.111520928077134, 11.006875806891307),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(5.108641404007155, 5.009550709383793) }),
+    filter: Some(FilterSettings {
+        bandwidth: PerAxis::new(5.108641404007155, 5.009550709383793),
+        reach: None,
+    }),
     allocation: AllocationSettings::Weighted { pitch_weight: 1.9094115852706186 },
     lead: Some(Lead { factor: 5.3119168429101045 }),
     cancellation: Some(PerAxis::new(0.6364763774121573, 0.49980880578936765)),
@@ -78,7 +84,10 @@ pub const AERO: ControllerSettings<f64> = ControllerSettings {
     estimator: EstimatorSettings::ExtendedState {
         bandwidth: PerAxis::new(12.699270825028801, 28.116065468745298),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(4.004010469998066, 4.395486533024905) }),
+    filter: Some(FilterSettings {
+        bandwidth: PerAxis::new(4.004010469998066, 4.395486533024905),
+        reach: None,
+    }),
     allocation: AllocationSettings::Weighted { pitch_weight: 2.4967860760931857 },
     lead: Some(Lead { factor: 6.9051784576758655 }),
     cancellation: Some(PerAxis::new(0.47310768169881, 0.21203709692889358)),
@@ -103,7 +112,10 @@ pub const AERO2: ControllerSettings<f64> = ControllerSettings {
     estimator: EstimatorSettings::Luenberger {
         bandwidth: PerAxis::new(36.725461028472054, 78.54077405345978),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(2.5868638992349418, 1.7355504302968905) }),
+    filter: Some(FilterSettings {
+        bandwidth: PerAxis::new(2.5868638992349418, 1.7355504302968905),
+        reach: None,
+    }),
     allocation: AllocationSettings::Weighted { pitch_weight: 0.7341562484373592 },
     lead: None,
     cancellation: None,
@@ -128,7 +140,10 @@ pub const AERO_LAB: ControllerSettings<f64> = ControllerSettings {
     estimator: EstimatorSettings::ExtendedState {
         bandwidth: PerAxis::new(11.987255420315607, 19.02710664611405),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(8.299788459474938, 4.57852143860774) }),
+    filter: Some(FilterSettings {
+        bandwidth: PerAxis::new(8.299788459474938, 4.57852143860774),
+        reach: None,
+    }),
     allocation: AllocationSettings::Weighted { pitch_weight: 0.7055610132095085 },
     lead: Some(Lead { factor: 0.7712720994505502 }),
     cancellation: Some(PerAxis::new(0.5239729750681004, 0.10743712615458303)),
@@ -153,7 +168,10 @@ pub const HELI: ControllerSettings<f64> = ControllerSettings {
     estimator: EstimatorSettings::ExtendedState {
         bandwidth: PerAxis::new(30.789175174255725, 65.96838770549942),
     },
-    filter: Some(FilterSettings { bandwidth: PerAxis::new(5.207461794871686, 7.920425031105237) }),
+    filter: Some(FilterSettings {
+        bandwidth: PerAxis::new(5.207461794871686, 7.920425031105237),
+        reach: None,
+    }),
     allocation: AllocationSettings::Weighted { pitch_weight: 0.587128186497554 },
     lead: Some(Lead { factor: 5.919212287264231 }),
     cancellation: Some(PerAxis::new(0.5058818127516516, 0.6043933345853039)),

@@ -18,7 +18,8 @@ pub struct Tunable {
 }
 
 impl Tunable {
-    /// All parameters of `controller` that are not zero, or those that begin with one of `chosen` (`pitch` means all of pitch).
+    /// All parameters of `controller` that are not zero but the filter's reach, of which a single step shows nothing; or those that
+    /// begin with one of `chosen` (`pitch` means all of pitch).
     pub fn new(controller: &ControllerSettings<f64>, chosen: &[String]) -> Outcome<Self> {
         let file = GainsFile { controller: *controller, provenance: None };
         let template = Value::try_from(file).expect("gains are made of tables and numbers");
@@ -33,7 +34,10 @@ impl Tunable {
                 )));
             }
         }
-        let wanted = |name: &str| chosen.is_empty() || chosen.iter().any(|c| belongs(name, c));
+        let wanted = |name: &str| match chosen {
+            [] => !belongs(name, "filter.reach"),
+            _ => chosen.iter().any(|c| belongs(name, c)),
+        };
         let (names, start) = all.into_iter().filter(|(name, x)| *x != 0.0 && wanted(name)).unzip();
         Ok(Self { template, names, start })
     }
@@ -89,7 +93,7 @@ mod tests {
     use twinrotor::gains;
 
     fn filtered() -> ControllerSettings<f64> {
-        let filter = Some(FilterSettings { bandwidth: PerAxis::new(12.0, 9.0) });
+        let filter = Some(FilterSettings { bandwidth: PerAxis::new(12.0, 9.0), reach: None });
         ControllerSettings { filter, ..ControllerSettings::paper(gains::PAPER) }
     }
 
@@ -111,6 +115,16 @@ mod tests {
         let moved = all.controller(&[2.0_f64.ln(), 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert!((moved.filter.unwrap().bandwidth.pitch - 24.0).abs() < 1e-12);
         assert_eq!(moved.law, filtered().law);
+    }
+
+    #[test]
+    fn the_filters_reach_is_tuned_when_it_is_named() {
+        let filter = FilterSettings { bandwidth: PerAxis::both(5.0), reach: Some(PerAxis::new(0.3, 0.8)) };
+        let reaching = ControllerSettings { filter: Some(filter), ..filtered() };
+        assert!(!Tunable::new(&reaching, &[]).unwrap().names().iter().any(|name| name.contains("reach")));
+        let named = Tunable::new(&reaching, &["filter.reach".into()]).unwrap();
+        assert_eq!(named.names(), ["filter.reach.pitch", "filter.reach.yaw"]);
+        assert_eq!(named.start(), [0.3, 0.8]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! `compare`: controllers side by side on the same plants, none of which they were tuned on.
 
-use super::common::Common;
+use super::common::{Common, pair};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::flight::Fidelity;
@@ -10,7 +10,7 @@ use crate::rig::{self, NamedRig};
 use crate::robust::{self, CATALOGUE, Row, Trial, Tuning};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use twinrotor::axes::PerMotor;
+use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::PlantParameters;
 
@@ -28,6 +28,12 @@ pub(super) struct Args {
     /// Which, by name or gains file, instead of all there are; 'ours' is always there
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     controllers: Vec<String>,
+    /// Step to fly \[deg\], both positive, instead of 15,40
+    #[arg(long, value_name = "PITCH,YAW", allow_hyphen_values = true)]
+    step: Option<String>,
+    /// When the disturbance sets in, and half of the flight \[s\], instead of what the preset allows
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    allowance: Option<f64>,
     /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
@@ -67,8 +73,21 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         tune_all(args, &named, rounds)?;
     }
     let controllers = controllers(args, &named)?;
-    let allowance = robust::allowance(&named.name, &named.rig);
+    let allowance = match args.allowance {
+        Some(allowance) if (1.0..=120.0).contains(&allowance) => allowance,
+        Some(allowance) => {
+            return Err(Failure::Input(format!("--allowance is {allowance}; allowed: 1 to 120 s")));
+        }
+        None => robust::allowance(&named.name, &named.rig),
+    };
     let mut trial = Trial::new(&named.rig, args.plants, UNSEEN + args.common.seed, allowance);
+    if let Some(text) = &args.step {
+        let [pitch, yaw] = pair("--step", text)?;
+        if !(pitch > 0.0 && pitch <= 90.0 && yaw > 0.0 && yaw <= 360.0) {
+            return Err(Failure::Input(format!("--step is {text}; allowed: above 0 to 90,360 degrees")));
+        }
+        trial.step = PerAxis::new(pitch, yaw).map(f64::to_radians);
+    }
     if let Some(rig) = &args.true_rig {
         let truth = rig::load(rig)?.rig.plant;
         for draw in &mut trial.plants {

@@ -71,6 +71,9 @@ pub(super) struct Args {
     /// Robust: which parameters to tune, such as yaw,filter.bandwidth.pitch [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) parameters: Vec<String>,
+    /// Robust: keep a number that `compare --json` tells within a limit, such as overshoot_p95.yaw=2
+    #[arg(long, value_name = "NUMBER=MOST", value_delimiter = ',')]
+    pub(super) at_most: Vec<String>,
     /// Robust: on how many plants
     #[arg(long, value_name = "N", default_value_t = 32)]
     pub(super) plants: usize,

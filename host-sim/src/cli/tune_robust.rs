@@ -7,7 +7,7 @@ use crate::error::{Failure, Outcome, at_least, known_name};
 use crate::gains_file::{GainsFile, Provenance};
 use crate::output;
 use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Plan, Robust, Terms, Trial};
+use crate::robust::{self, CATALOGUE, Limit, Plan, Robust, Terms, Trial};
 use crate::tunable::Tunable;
 use crate::tuner::{End, Search};
 use serde::Serialize;
@@ -39,21 +39,27 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
     if args.rounds == 0 || args.rounds > 1_000 {
         return Err(Failure::Input(format!("--rounds is {}; allowed: 1 to 1000", args.rounds)));
     }
+    let limits = args.at_most.iter().map(|text| Limit::parse(text)).collect::<Outcome<Vec<_>>>()?;
     let seed = args.common.seed;
     let trial = Trial::new(&named.rig, args.plants, seed, robust::allowance(&named.name, &named.rig));
     let plan = Plan { setup: request.setup, rounds: args.rounds, range: args.range, seed };
-    let identity =
-        format!("{} {:?} robust {} plants {tunable:?} {plan:?}", named.name, named.rig, args.plants);
+    let identity = format!(
+        "{} {:?} robust {} plants {tunable:?} {plan:?} at most {:?}",
+        named.name, named.rig, args.plants, args.at_most
+    );
     let fresh = |identity| Search::new(identity, plan.start(tunable.names().len()));
     let mut search = args.checkpoint.resume_or(identity, fresh)?;
-    let end = drive(args, request, &Robust::new(&trial, &tunable), &mut search)?;
+    let end = drive(args, request, &Robust::new(&trial, &tunable).within(&limits), &mut search)?;
     let best = search.best().expect("the start is evaluated first");
     let found = tunable.controller(&best.position);
 
     let mut file = GainsFile { controller: found, provenance: None };
     file.provenance = Some(Provenance {
         preset: named.name.clone(),
-        objective: format!("robust, {} plants", args.plants),
+        objective: std::iter::once(format!("robust, {} plants", args.plants))
+            .chain(args.at_most.iter().cloned())
+            .collect::<Vec<_>>()
+            .join(", "),
         algorithm: format!("{}, {} rounds", args.algorithm, args.rounds),
         seed,
         evaluations: search.evaluations(),

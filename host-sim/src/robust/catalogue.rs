@@ -13,6 +13,7 @@
 //! | `cancelling` | integral backstepping, extended state observer with cancellation and lead, filter, allocation: for a known lag |
 //! | `pid-plus`, `lqr-plus`, `lqi-plus` | PID, LQR, LQI with the observer, the filter and the allocation of `integral` |
 
+use super::STEP_DEG;
 use super::riccati::lqr;
 use nalgebra::DMatrix;
 use twinrotor::allocation::AllocationSettings;
@@ -158,7 +159,11 @@ fn assisted(rig: &Rig, law: LawSettings<f64>) -> ControllerSettings<f64> {
     ControllerSettings {
         law,
         estimator: EstimatorSettings::Luenberger { bandwidth: PerAxis::both(8.0 * w) },
-        filter: Some(FilterSettings { bandwidth: PerAxis::both(0.7 * w) }),
+        filter: Some(FilterSettings {
+            bandwidth: PerAxis::both(0.7 * w),
+            // What it is tuned on is the most that it is asked for.
+            reach: Some(STEP_DEG.map(f64::to_radians)),
+        }),
         allocation: AllocationSettings::Weighted { pitch_weight: 1.5 },
         lead: None,
         cancellation: None,

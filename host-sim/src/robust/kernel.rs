@@ -1,5 +1,6 @@
 //! Many plants of one controller, flown side by side and scored.
 
+use super::Trial;
 use super::cost::Score;
 use super::plants::Draw;
 use crate::closed_loop::{ClosedLoop, Hardware, RigLoop};
@@ -11,10 +12,8 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::{Mask, Real};
-use twinrotor::reference::Reference;
+use twinrotor::reference::{Reference, ticks};
 
-/// The step, from rest at zero with the rotors at rest: 15 degrees of pitch, 40 of yaw.
-pub const STEP_DEG: PerAxis<f64> = PerAxis::new(15.0, 40.0);
 /// \[rad\] An error beyond which a flight has diverged: a turn.
 const DIVERGED: f64 = core::f64::consts::TAU;
 /// \[ticks\] The second before the disturbance, in which holding is judged.
@@ -37,16 +36,16 @@ struct Sums<R: Real> {
 
 /// When what is judged, in ticks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Schedule {
+struct Schedule {
     /// The first tick with the disturbance.
-    pub disturbance: u32,
+    disturbance: u32,
     /// The first tick after the flight.
-    pub end: u32,
+    end: u32,
 }
 
 /// The scores of up to [`LANES`](crate::lanes::LANES) plants.
-pub(super) fn scores(rig: &Rig, settings: &Settings<f32>, plants: &[Draw], when: Schedule) -> Vec<Score> {
-    in_lanes(Flights { rig, settings, plants, when })
+pub(super) fn scores(trial: &Trial, settings: &Settings<f32>, plants: &[Draw]) -> Vec<Score> {
+    in_lanes(Flights::new(trial, settings, plants))
 }
 
 /// One controller on up to [`LANES`](crate::lanes::LANES) plants; the last one fills what lanes are left.
@@ -55,6 +54,8 @@ struct Flights<'a> {
     rig: &'a Rig,
     settings: &'a Settings<f32>,
     plants: &'a [Draw],
+    /// \[rad\]
+    step: PerAxis<f64>,
     when: Schedule,
 }
 
@@ -63,11 +64,17 @@ impl Kernel for Flights<'_> {
     #[inline(always)]
     fn run<R: Real<Scalar = f32>>(self) -> Vec<Score> {
         let sums = fly::<R>(&self);
-        (0..self.plants.len()).map(|k| score(&sums, k, self.when)).collect()
+        (0..self.plants.len()).map(|k| score(&sums, k, self.step, self.when)).collect()
     }
 }
 
-impl Flights<'_> {
+impl<'a> Flights<'a> {
+    fn new(trial: &'a Trial, settings: &'a Settings<f32>, plants: &'a [Draw]) -> Self {
+        let disturbance = ticks(trial.allowance, SAMPLE_TIME);
+        let when = Schedule { disturbance, end: 2 * disturbance };
+        Self { rig: &trial.rig, settings, plants, step: trial.step, when }
+    }
+
     fn closed_loop<R: Real<Scalar = f32>>(&self) -> RigLoop<R> {
         let constants: Vec<_> = self.plants.iter().map(|d| d.plant.map(f32::from_f64)).collect();
         let rotors: Vec<_> =
@@ -100,7 +107,7 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
     let mut closed_loop = flights.closed_loop::<R>();
     let disturbance = flights.disturbance::<R>();
     let limit = flights.settings.volts_limit.map(R::splat);
-    let goal = STEP_DEG.map(f64::to_radians);
+    let goal = flights.step;
     let reference = Reference::at_rest(goal.cast::<R>());
     let band = |part: f64| goal.map(|g| R::from_f64(part * g.abs()));
     let (band_2, band_5) = (band(0.02), band(0.05));
@@ -156,7 +163,7 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
     s
 }
 
-fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, when: Schedule) -> Score {
+fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, step: PerAxis<f64>, when: Schedule) -> Score {
     let allowance = f64::from(when.disturbance) * SAMPLE_TIME;
     if s.diverged.lane(lane) {
         return Score::diverged(allowance);
@@ -171,7 +178,7 @@ fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, when: Schedule) -> Sco
     let hold = HOLD.min(when.disturbance);
     Score {
         settling_time: s.last_outside_2.map(settled),
-        overshoot_percent: s.overshoot.zip(STEP_DEG, |most, step| 100.0 * of(most).to_degrees() / step),
+        overshoot_percent: s.overshoot.zip(step, |most, step| 100.0 * of(most) / step),
         disturbance_rms_deg: rms(s.disturbed_squares, when.end - when.disturbance),
         hold_rms_deg: rms(s.hold_squares, hold),
         voltage_variation: of(s.variation) / (2.0 * f64::from(hold) * SAMPLE_TIME),
@@ -183,7 +190,7 @@ fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, when: Schedule) -> Sco
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CATALOGUE, draw};
+    use super::super::CATALOGUE;
     use super::*;
     use crate::closed_loop::BoardLoop;
     use crate::lanes::{in_lanes_with, levels};
@@ -203,7 +210,7 @@ mod tests {
             let plants = self.flights.plants;
             let mut lanes = self.flights.closed_loop::<R>();
             let push = self.flights.disturbance::<R>();
-            let goal = STEP_DEG.map(f64::to_radians);
+            let goal = self.flights.step;
             for tick in 0..1500 {
                 let disturbed = tick >= 1000;
                 let group = if disturbed { push } else { PerMotor::zero() };
@@ -234,11 +241,11 @@ mod tests {
         {
             let design = CATALOGUE.iter().find(|(n, _)| *n == name).expect("it is there").1;
             let settings = Settings::new(&rig, design(&rig), SAMPLE_TIME).map(f32::from_f64);
-            let plants = draw(&rig, 3, 11);
-            let when = Schedule { disturbance: 1000, end: 1500 };
-            let flights = Flights { rig: &rig, settings: &settings, plants: &plants, when };
+            let trial = Trial::new(&rig, 3, 11, 0.75);
+            let flights = Flights::new(&trial, &settings, &trial.plants);
             for level in levels() {
-                let boards = plants
+                let boards = trial
+                    .plants
                     .iter()
                     .map(|d| {
                         let plant = RealPlant::new(&d.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);

@@ -12,6 +12,7 @@ mod catalogue;
 mod comparison;
 mod cost;
 mod kernel;
+mod limits;
 mod plants;
 mod riccati;
 mod tuning;
@@ -19,15 +20,15 @@ mod tuning;
 pub use catalogue::{CATALOGUE, Design, uses};
 pub use comparison::{Row, Spread, signed_rank};
 pub use cost::{Score, Terms, quantile, total};
-pub use kernel::STEP_DEG;
+pub use limits::Limit;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
 pub use riccati::{kalman, lqr};
 pub use tuning::{Plan, Robust, Tuning};
 
 use crate::lanes::LANES;
 use crate::scenario::SAMPLE_TIME;
-use kernel::Schedule;
 use rayon::prelude::*;
+use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
@@ -44,14 +45,19 @@ pub struct Trial {
     pub rig: Rig,
     /// What it flies.
     pub plants: Vec<Draw>,
+    /// \[rad\] Where to, from rest at zero with the rotors at rest; both positive.
+    pub step: PerAxis<f64>,
     /// \[s\] T_d.
     pub allowance: f64,
 }
 
+/// \[deg\] The objective's step.
+pub const STEP_DEG: PerAxis<f64> = PerAxis::new(15.0, 40.0);
+
 impl Trial {
     /// `count` plants around `rig`, drawn by `seed`, with the disturbance at `allowance` \[s\].
     pub fn new(rig: &Rig, count: usize, seed: u64, allowance: f64) -> Self {
-        Self { rig: *rig, plants: draw(rig, count, seed), allowance }
+        Self { rig: *rig, plants: draw(rig, count, seed), step: STEP_DEG.map(f64::to_radians), allowance }
     }
 
     /// The scores of a controller, in the order of the plants.
@@ -90,8 +96,7 @@ impl Trial {
     }
 
     fn fly(&self, settings: &Settings<f32>, group: &[Draw]) -> Vec<Score> {
-        let disturbance = ticks(self.allowance, SAMPLE_TIME);
-        kernel::scores(&self.rig, settings, group, Schedule { disturbance, end: 2 * disturbance })
+        kernel::scores(self, settings, group)
     }
 
     /// J.

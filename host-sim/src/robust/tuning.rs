@@ -1,6 +1,6 @@
 //! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
-use super::Trial;
+use super::{Limit, Row, Score, Trial};
 use crate::error::{Outcome, known_name};
 use crate::gains_file::{GainsFile, Provenance};
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
@@ -18,8 +18,9 @@ pub struct Robust<'a> {
     pub trial: &'a Trial,
     /// The controller.
     pub tunable: &'a Tunable,
-    flown: AtomicU64,
-    spared: AtomicU64,
+    limits: &'a [Limit],
+    simulated: AtomicU64,
+    skipped: AtomicU64,
     diverged: AtomicU64,
 }
 
@@ -29,10 +30,17 @@ impl<'a> Robust<'a> {
         Self {
             trial,
             tunable,
-            flown: AtomicU64::new(0),
-            spared: AtomicU64::new(0),
+            limits: &[],
+            simulated: AtomicU64::new(0),
+            skipped: AtomicU64::new(0),
             diverged: AtomicU64::new(0),
         }
+    }
+
+    /// The same, with limits: for each, J is raised by the part of itself by which it is exceeded.
+    #[must_use]
+    pub fn within(self, limits: &'a [Limit]) -> Self {
+        Self { limits, ..self }
     }
 
     fn cost(&self, candidate: &Candidate) -> f64 {
@@ -42,25 +50,33 @@ impl<'a> Robust<'a> {
             return f64::INFINITY;
         }
         let (scores, flown) = self.trial.scores_below(&controller, candidate.bound);
-        self.flown.fetch_add(flown as u64, Ordering::Relaxed);
-        self.spared.fetch_add((self.trial.plants.len() - flown) as u64, Ordering::Relaxed);
+        let left = self.trial.plants.len() - flown;
+        self.simulated.fetch_add(self.trial.steps() * flown as u64, Ordering::Relaxed);
+        self.skipped.fetch_add(self.trial.steps() * left as u64, Ordering::Relaxed);
         let Some(scores) = scores else { return f64::INFINITY };
         self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
-        super::total(&scores)
+        super::total(&scores) * (1.0 + self.excess(&scores))
+    }
+
+    fn excess(&self, scores: &[Score]) -> f64 {
+        if self.limits.is_empty() {
+            return 0.0;
+        }
+        let row = Row::new("", scores, None, Vec::new());
+        self.limits.iter().map(|limit| limit.excess(&row)).sum()
     }
 }
 
 impl Problem for Robust<'_> {
-    /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`](super::Score::diverged)), so that the
+    /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`]), so that the
     /// search learns in which direction fewer do.
     fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
         candidates.par_iter().map(|candidate| self.cost(candidate)).collect()
     }
 
     fn effort(&self) -> Effort {
-        let steps = |flights: &AtomicU64| self.trial.steps() * flights.load(Ordering::Relaxed);
-        let diverged = self.diverged.load(Ordering::Relaxed);
-        Effort { simulated: steps(&self.flown), skipped: steps(&self.spared), diverged }
+        let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        Effort { simulated: of(&self.simulated), skipped: of(&self.skipped), diverged: of(&self.diverged) }
     }
 }
 
