@@ -1,5 +1,6 @@
 #!/bin/sh
 # Tunes the committed gains of every preset, or of those named, from their seeds: the same files, byte for byte.
+# About a minute for each preset on two cores.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --release -q -p host-sim
@@ -7,26 +8,37 @@ rough=$(mktemp -d)
 trap 'rm -r "$rough"' EXIT
 
 tune() {
-    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --fidelity rig "$@"
+    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --fidelity rig --algorithm fpa-adaptive \
+        --population 25 --iterations 39 "$@"
 }
 
 for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
-    out=gains/$name.toml
+    # Where lead or cancellation gain little, or where a motor faster than believed would make them a limit cycle: without.
     case $name in
-        # The lag is uncertain and short: neither lead nor cancellation.
-        paper) start="--controller integral --algorithm fpa-paper --population 30 --iterations 30" ;;
-        # Lead gains nothing where the motors are weak and the flight long.
-        aero2) start="--controller integral --algorithm fpa-yang --population 25 --iterations 19" ;;
-        *) start="--controller cancelling --algorithm fpa-yang --population 25 --iterations 19" ;;
+        paper | aero-lab) controller=integral ;;
+        *) controller=cancelling ;;
     esac
-    # shellcheck disable=SC2086
-    tune --preset "$name" $start --rounds 4 --plants 32 --seed 1 --out "$out"
-    # Where 32 plants do not show what 300 do, it goes on from there on more.
+    # What laboratories fly today is worse in the sum on every preset; with these it is so in every term, or nearly
+    # (docs/rig-law.md). They are a little below what is asked for, since other plants are flown than are tuned on.
     case $name in
-        paper | aero)
-            cp "$out" "$rough/$name.toml"
-            tune --preset "$name" --start "$rough/$name.toml" --algorithm fpa-yang --population 25 \
-                --iterations 19 --rounds 3 --range 1.6 --plants 128 --seed 2 --out "$out"
+        paper) limits=settling_time_2.yaw=0.81,overshoot_p95.pitch=1.7,overshoot_p95.yaw=2 ;;
+        paper-fixed)
+            limits=settling_time_2.pitch=1.28,settling_time_2.yaw=1.2,overshoot_p95.pitch=1.2,overshoot_p95.yaw=1.6
+            limits=$limits,disturbance_rms_deg.pitch=0.0505,disturbance_rms_deg.yaw=0.0415
+            limits=$limits,hold_rms_deg.pitch=0.0465,hold_rms_deg.yaw=0.0335
+            ;;
+        aero) limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2 ;;
+        aero2)
+            limits=disturbance_rms_deg.pitch=0.068,disturbance_rms_deg.yaw=0.084
+            limits=$limits,overshoot_p95.pitch=2.7,overshoot_p95.yaw=2.8
+            ;;
+        aero-lab) limits=overshoot_p95.pitch=1.8,overshoot_p95.yaw=1.5 ;;
+        heli)
+            limits=disturbance_rms_deg.pitch=0.124,disturbance_rms_deg.yaw=0.094
+            limits=$limits,hold_rms_deg.pitch=0.0255,hold_rms_deg.yaw=0.0155
             ;;
     esac
+    tune --preset "$name" --controller "$controller" --rounds 4 --plants 32 --seed 1 --out "$rough/$name.toml"
+    tune --preset "$name" --start "$rough/$name.toml" --rounds 3 --range 1.6 --plants 128 --seed 2 \
+        --at-most "$limits" --out "gains/$name.toml"
 done

@@ -48,6 +48,9 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
+/// Where RAM begins.
+const RAM: u64 = 0x2000_0000;
+
 impl Firmware {
     /// Reads the ELF at `path`.
     ///
@@ -146,9 +149,9 @@ impl Firmware {
         self.symbols.get(name).map(|&(address, _)| address)
     }
 
-    /// [bytes] Every symbol's name and size.
-    pub fn sizes(&self) -> impl Iterator<Item = (&str, u64)> {
-        self.symbols.iter().map(|(name, &(_, size))| (name.as_str(), size))
+    /// [bytes] Every symbol's name and size, and whether it lies in RAM.
+    pub fn sizes(&self) -> impl Iterator<Item = (&str, u64, bool)> {
+        self.symbols.iter().map(|(name, &(address, size))| (name.as_str(), size, address >= RAM))
     }
 
     /// Every symbol's name.

@@ -7,6 +7,7 @@ use addr2line::Context;
 use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian, SectionId};
 use object::{Object, ObjectSection};
 
+use crate::figures::GROWTH_PERCENT;
 use crate::firmware::Firmware;
 use crate::station::Station;
 
@@ -37,6 +38,44 @@ pub const STEPS: [(&str, &[&str]); 10] = [
 
 /// Instructions of one tick, step by step as in [`STEPS`].
 pub type Spent = [u64; STEPS.len()];
+
+/// The table of steps: for each compiler and step, the instructions with the paper's law and with the built-in controller.
+const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/steps.csv");
+const COLUMNS: &str = "compiler,step,paper,rig";
+/// \[instructions\] A step of a few may grow by as many.
+const A_FEW: u64 = 5;
+
+/// Whether no step has grown by more than [`GROWTH_PERCENT`] over the table, with the paper's law and with the built-in controller.
+///
+/// # Errors
+///
+/// Says which has, or what the table lacks.
+pub fn compare(compiler: &str, [paper, rig]: &[Spent; 2]) -> Result<(), String> {
+    let text = std::fs::read_to_string(TABLE).map_err(|why| format!("{TABLE}: {why}"))?;
+    if text.lines().next() != Some(COLUMNS) {
+        return Err(format!("{TABLE}: the first line is not '{COLUMNS}'"));
+    }
+    let mut trouble = String::new();
+    for ((step, _), (paper, rig)) in STEPS.iter().zip(paper.iter().zip(rig)) {
+        let step = step.replace(',', "");
+        let mine = format!("{compiler},{step},{paper},{rig}");
+        let kept = text.lines().find_map(|line| line.strip_prefix(&format!("{compiler},{step},")));
+        let kept: Option<Vec<u64>> =
+            kept.map(|line| line.split(',').filter_map(|n| n.parse().ok()).collect());
+        let grown = |now: u64, then: u64| now > (then * (100 + GROWTH_PERCENT) / 100).max(then + A_FEW);
+        let fine = matches!(kept.as_deref(), Some(&[p, r]) if !grown(*paper, p) && !grown(*rig, r));
+        if !fine {
+            trouble += &format!("\n  {mine} (kept: {kept:?})");
+        }
+    }
+    if trouble.is_empty() {
+        Ok(())
+    } else {
+        Err(format!(
+            "{TABLE} lacks steps, or they have grown by over {GROWTH_PERCENT} %; the lines would be:{trouble}"
+        ))
+    }
+}
 
 /// The source of a firmware's instructions.
 pub struct Source<'a> {

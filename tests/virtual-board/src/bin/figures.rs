@@ -10,7 +10,7 @@ use virtual_board::figures::{Figures, InFlight};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Machine, Setup, TICK};
-use virtual_board::profile::{Profile, STEPS};
+use virtual_board::profile::{self, Profile, STEPS};
 use virtual_board::station::Station;
 use virtual_board::{flight, in_c, record};
 
@@ -35,6 +35,9 @@ fn run() -> Result<(), String> {
         Profile::of(&firmware, &mut papers, TICK, 40)?.median(),
         Profile::of(&firmware, &mut rigs, TICK, 40)?.median(),
     ];
+    if let Err(why) = profile::compare(firmware.compiler(), &profiles) {
+        println!("{why}");
+    }
     for (nth, (step, _)) in STEPS.iter().enumerate() {
         println!("{:7} {:5}  {step}", profiles[0][nth], profiles[1][nth]);
     }
@@ -50,11 +53,11 @@ fn run() -> Result<(), String> {
         }
         None => println!("{:7}  C, as kept: no arm-none-eabi-gcc here", in_c::KEPT),
     }
-    println!("\n  bytes  by module");
-    let mut modules: Vec<(String, u64)> = modules(&firmware).into_iter().collect();
+    println!("\n  flash   RAM  bytes by module");
+    let mut modules: Vec<(String, [u64; 2])> = modules(&firmware).into_iter().collect();
     modules.sort_by_key(|(_, bytes)| std::cmp::Reverse(*bytes));
-    for (module, bytes) in modules {
-        println!("{bytes:7}  {module}");
+    for (module, [flash, ram]) in modules {
+        println!("{flash:7} {ram:5}  {module}");
     }
     Ok(())
 }
@@ -70,10 +73,10 @@ fn flying(firmware: &Firmware, rig: &Rig, parameters: Parameters) -> Result<Stat
     Ok(station)
 }
 
-/// [bytes] Code, constants and variables of each crate, the core's and the firmware's of each module.
-fn modules(firmware: &Firmware) -> BTreeMap<String, u64> {
-    let mut sizes = BTreeMap::new();
-    for (name, size) in firmware.sizes() {
+/// [bytes] What each crate takes of flash and RAM, the core and the firmware by module.
+fn modules(firmware: &Firmware) -> BTreeMap<String, [u64; 2]> {
+    let mut sizes = BTreeMap::<String, [u64; 2]>::new();
+    for (name, size, in_ram) in firmware.sizes() {
         let path = name.trim_start_matches(['<', '&']);
         let mut parts = path.split("::");
         let own = parts.next().unwrap_or_default();
@@ -82,7 +85,7 @@ fn modules(firmware: &Firmware) -> BTreeMap<String, u64> {
             _ if path.contains("::") => own.to_owned(),
             _ => "the rest (linker and runtime names)".to_owned(),
         };
-        *sizes.entry(module).or_default() += size;
+        sizes.entry(module).or_default()[usize::from(in_ram)] += size;
     }
     sizes
 }

@@ -112,8 +112,7 @@ fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
         (Condition::YawMotion, |heli| heli.broken.reversed.yaw = true),
     ];
     for (cause, spoil) in cases {
-        // Not the built-in controller, which asks too gently: see "What does not hold" in docs/firmware.md.
-        for (rig, parameters) in [(presets::PAPER, papers(&presets::PAPER)), record::tuned("paper")] {
+        for (rig, parameters) in both() {
             expect_of(&mut flying_with(&rig, &parameters), cause, 1_000, |station| {
                 with_rig(station, spoil);
                 station.aim(PerAxis::new(-0.3, -1.5));

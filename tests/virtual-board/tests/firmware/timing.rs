@@ -3,7 +3,7 @@
 use virtual_board::figures::{Figures, InFlight};
 use virtual_board::in_c;
 use virtual_board::machine::{MILLISECOND, TICK};
-use virtual_board::profile::Profile;
+use virtual_board::profile::{self, Profile};
 
 use super::{both, firmware, flying, flying_with};
 
@@ -27,6 +27,15 @@ fn size_instructions_and_stack_are_within_the_budget_and_have_not_grown() {
     println!("{measured}");
     measured.within_budget().unwrap_or_else(|why| panic!("{why}"));
     measured.compare(&firmware()).unwrap_or_else(|why| panic!("{why}"));
+}
+
+#[test]
+fn no_step_of_the_tick_has_grown() {
+    let steps = both().map(|(rig, parameters)| {
+        let profile = Profile::of(&firmware(), &mut flying_with(&rig, &parameters), TICK, 40);
+        profile.unwrap_or_else(|why| panic!("{why}")).median()
+    });
+    profile::compare(firmware().compiler(), &steps).unwrap_or_else(|why| panic!("{why}"));
 }
 
 #[test]
