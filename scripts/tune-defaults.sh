@@ -18,19 +18,21 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
         paper | aero-lab) controller=integral ;;
         *) controller=cancelling ;;
     esac
-    # What laboratories fly today is worse in the sum on every preset; with these it is so in every term, or nearly
-    # (docs/rig-law.md). They are a little below what is asked for, since other plants are flown than are tuned on.
+    # With these, what laboratories fly today is worse not only in the sum but in every term (docs/rig-law.md). They are a little
+    # below what is asked for, since other plants are flown than are tuned on.
     case $name in
-        paper) limits=settling_time_2.yaw=0.81,overshoot_p95.pitch=1.7,overshoot_p95.yaw=2 ;;
+        paper)
+            limits=settling_time_2.yaw=0.81,overshoot_p95.pitch=1.7,overshoot_p95.yaw=2,disturbance_rms_deg.yaw=0.107
+            ;;
         paper-fixed)
-            limits=settling_time_2.pitch=1.28,settling_time_2.yaw=1.2,overshoot_p95.pitch=1.2,overshoot_p95.yaw=1.6
+            limits=settling_time_2.pitch=1.28,settling_time_2.yaw=1.17,overshoot_p95.pitch=2,overshoot_p95.yaw=2.5
             limits=$limits,disturbance_rms_deg.pitch=0.0505,disturbance_rms_deg.yaw=0.0415
             limits=$limits,hold_rms_deg.pitch=0.0465,hold_rms_deg.yaw=0.0335
             ;;
         aero) limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2 ;;
         aero2)
             limits=disturbance_rms_deg.pitch=0.068,disturbance_rms_deg.yaw=0.084
-            limits=$limits,overshoot_p95.pitch=2.7,overshoot_p95.yaw=2.8
+            limits=$limits,overshoot_p95.pitch=2.5,overshoot_p95.yaw=2.7
             ;;
         aero-lab) limits=overshoot_p95.pitch=1.8,overshoot_p95.yaw=1.5 ;;
         heli)

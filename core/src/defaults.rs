@@ -13,26 +13,26 @@ use crate::lead::Lead;
 pub const PAPER: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 6.288678750672421,
-            rate: 66.91818721044362,
-            weight: 1.2486056367714573,
-            integral: 6.144122756957767,
+            position: 5.335300539775662,
+            rate: 71.39013020251392,
+            weight: 0.948678428778969,
+            integral: 6.566179828146438,
         },
         IntegralGains {
-            position: 5.325424397542709,
-            rate: 23.089496041787186,
-            weight: 0.6208081611937222,
-            integral: 15.44097982638692,
+            position: 4.522745799880962,
+            rate: 30.994331561865316,
+            weight: 0.6704532383002693,
+            integral: 17.93610834023257,
         },
     )),
     estimator: EstimatorSettings::Luenberger {
-        bandwidth: PerAxis::new(378.2068884894583, 181.61632933313746),
+        bandwidth: PerAxis::new(378.1249431175186, 161.01262242165143),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(12.089219078195471, 9.110580616013065),
+        bandwidth: PerAxis::new(11.371811018368529, 9.280927515501558),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 1.4424956709810333 },
+    allocation: AllocationSettings::Weighted { pitch_weight: 1.3142934015571395 },
     lead: None,
     cancellation: None,
 };
@@ -41,28 +41,28 @@ pub const PAPER: ControllerSettings<f64> = ControllerSettings {
 pub const PAPER_FIXED: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 9.599438780238726,
-            rate: 7.066354579477341,
-            weight: 0.5886189825678743,
-            integral: 17.84384355269644,
+            position: 7.96679643464321,
+            rate: 6.9872698229528,
+            weight: 0.3793128886655423,
+            integral: 14.253518683793473,
         },
         IntegralGains {
-            position: 8.504758054699863,
-            rate: 8.905605790536125,
-            weight: 0.2477057680648389,
-            integral: 16.674775485588352,
+            position: 9.610276718405654,
+            rate: 6.5655389958364445,
+            weight: 0.3772532912465324,
+            integral: 19.957974287082063,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(30.250063061396148, 31.854965466582886),
+        bandwidth: PerAxis::new(29.330905625414125, 25.975198539001116),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(5.28482345565251, 5.392675939074023),
+        bandwidth: PerAxis::new(5.078836969786465, 5.644157909228391),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 2.518744531625228 },
-    lead: Some(Lead { factor: 2.8115190567479726 }),
-    cancellation: Some(PerAxis::new(0.18774897340861785, 0.25302085306538935)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 2.282859738781614 },
+    lead: Some(Lead { factor: 2.9762976711255194 }),
+    cancellation: Some(PerAxis::new(0.20145307627936818, 0.2408698764172363)),
 };
 
 /// For [`presets::AERO`](crate::plant::presets::AERO): `gains/aero.toml`.
@@ -97,28 +97,28 @@ pub const AERO: ControllerSettings<f64> = ControllerSettings {
 pub const AERO2: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 2.663604838975188,
-            rate: 2.4359476732920498,
-            weight: 0.6619257561597307,
-            integral: 2.3077095760090973,
+            position: 4.185798219597297,
+            rate: 1.3260360185271525,
+            weight: 0.7292766122530333,
+            integral: 3.2010102598243995,
         },
         IntegralGains {
-            position: 1.9702244641647575,
-            rate: 2.1374475186423805,
-            weight: 0.25457597775602614,
-            integral: 1.963640931294575,
+            position: 2.031178645571389,
+            rate: 2.7678604897160946,
+            weight: 0.24243875975780188,
+            integral: 1.9857489699721904,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(9.969937309570224, 15.923004087512094),
+        bandwidth: PerAxis::new(9.338262060516266, 18.79236726729599),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(3.251220694243697, 2.116057310838569),
+        bandwidth: PerAxis::new(3.2059291137442876, 2.1367269806177998),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 2.413573823754779 },
-    lead: Some(Lead { factor: 5.008181959864647 }),
-    cancellation: Some(PerAxis::new(0.3545549091176871, 0.5354161398566992)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 2.4417642069053276 },
+    lead: Some(Lead { factor: 4.281960557118461 }),
+    cancellation: Some(PerAxis::new(0.18456237188781843, 0.2895568690710204)),
 };
 
 /// For [`presets::AERO_LAB`](crate::plant::presets::AERO_LAB): `gains/aero-lab.toml`.

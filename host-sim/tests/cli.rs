@@ -65,6 +65,10 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["bench-tuners", "--seeds", "1"], "--seeds is 1; allowed: 2 to 10000"),
         (&["bench-tuners", "--evaluations", "0"], "--evaluations is 0"),
         (&["bench-tuners", "--export", "runs.mcap"], ".parquet, .npz or .csv"),
+        (&["compare", "--step", "15,0"], "--step is 15,0"),
+        (&["compare", "--allowance", "1e9"], "--allowance is 1000000000"),
+        (&["compare", "--export", "flights.mcap"], ".parquet, .npz or .csv"),
+        (&["tune", "--objective", "robust", "--fidelity", "rig", "--at-most", "overshoot=2"], "--at-most"),
         (&["pareto", "--population", "2"], "--population is 2; allowed: 4 to"),
         (&["reproduce", "--out", "nan.toml"], "which is a file; a folder is needed"),
         (&["identify"], "<LOG.csv>"),
@@ -300,6 +304,23 @@ fn methods_are_compared_in_numbers_rows_and_a_picture() {
     let rows = fs::read_to_string(folder.path().join("runs.csv")).unwrap();
     assert!(rows.starts_with("algorithm,seed,cost,x1,x2,x3,x4\nfpa-paper,1,") && rows.lines().count() == 9);
     assert!(fs::read_to_string(folder.path().join("c.svg")).unwrap().contains("evaluations"));
+}
+
+/// A step beyond what it was tuned on, a row for each flight, and the numbers of the table from those rows.
+#[test]
+fn a_comparison_tells_every_flight() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["compare", "--controllers", "pid", "--plants", "5", "--step", "25,60", "--allowance", "2"];
+    let told = json(folder.path(), &[&args[..], &["--export", "flights.csv", "--json"]].concat());
+    let rows = fs::read_to_string(folder.path().join("flights.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = rows.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 2 * 5);
+    let column = rows[0].iter().position(|name| *name == "overshoot_percent_yaw").unwrap();
+    for controller in told["controllers"].as_array().unwrap() {
+        let own = rows.iter().filter(|row| controller["name"] == row[0]);
+        let most = own.map(|row| row[column].parse().unwrap()).fold(0.0_f64, f64::max);
+        assert!(controller["overshoot_p95"]["yaw"].as_f64().unwrap() <= most);
+    }
 }
 
 #[test]

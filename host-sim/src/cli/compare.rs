@@ -3,11 +3,12 @@
 use super::common::{Common, pair};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, at_least, known_name};
+use crate::export::{self, Column, Table};
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
 use crate::output;
 use crate::rig::{self, NamedRig};
-use crate::robust::{self, CATALOGUE, Row, Trial, Tuning};
+use crate::robust::{self, CATALOGUE, Row, Score, Trial, Tuning};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -43,6 +44,9 @@ pub(super) struct Args {
     /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/compared/PRESET/NAME.toml the others'
     #[arg(long, value_name = "DIR", default_value = "gains")]
     gains: PathBuf,
+    /// Write every flight's numbers, a row each: .parquet, .npz or .csv
+    #[arg(long, value_name = "FILE")]
+    export: Option<PathBuf>,
     /// First tune all but ours with one budget, N searches of 500 evaluations, and write the gains into the folder
     #[arg(long, value_name = "N")]
     tune: Option<usize>,
@@ -69,10 +73,40 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if args.plants < 2 || args.plants > 100_000 {
         return Err(Failure::Input(format!("--plants is {}; allowed: 2 to 100000", args.plants)));
     }
+    let trial = trial(args, &named)?;
+    if let Some(path) = &args.export {
+        export::check("--export", path, false)?;
+    }
     if let Some(rounds) = args.tune {
         tune_all(args, &named, rounds)?;
     }
     let controllers = controllers(args, &named)?;
+    let scores: Vec<Vec<Score>> = controllers.iter().map(|(_, c)| trial.scores(c)).collect();
+    let rows: Vec<Row> = controllers
+        .iter()
+        .zip(&scores)
+        .enumerate()
+        .map(|(k, ((name, c), own))| Row::new(name, own, (k > 0).then_some(&*scores[0]), robust::uses(c)))
+        .collect();
+    if let Some(path) = &args.export {
+        let names = controllers.iter().map(|(name, _)| name.as_str());
+        flights(names.zip(&scores)).write(path)?;
+    }
+    if args.common.json {
+        return print_json(&Document {
+            preset: &named.name,
+            fidelity: args.fidelity,
+            plants: args.plants,
+            seed: args.common.seed,
+            rotor_lag: named.rig.plant.rotor_time_constant,
+            controllers: rows,
+        });
+    }
+    print(&report(args, &named, &rows))
+}
+
+/// The plants to fly, and how.
+fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
     let allowance = match args.allowance {
         Some(allowance) if (1.0..=120.0).contains(&allowance) => allowance,
         Some(allowance) => {
@@ -100,30 +134,36 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             draw.plant.rotor_time_constant = PerMotor::both(lag);
         }
     }
-    let ours = trial.scores(&controllers[0].1);
-    let rows: Vec<Row> = controllers
-        .iter()
-        .enumerate()
-        .map(|(k, (name, controller))| {
-            let uses = robust::uses(controller);
-            if k == 0 {
-                Row::new(name, &ours, None, uses)
-            } else {
-                Row::new(name, &trial.scores(controller), Some(&ours), uses)
-            }
-        })
+    Ok(trial)
+}
+
+/// Every flight as a row: controller, number of the plant, the score's terms and its cost.
+fn flights<'a>(controllers: impl Iterator<Item = (&'a str, &'a Vec<Score>)>) -> Table {
+    let flights: Vec<(&str, usize, &Score)> = controllers
+        .flat_map(|(name, scores)| scores.iter().enumerate().map(move |(k, score)| (name, k + 1, score)))
         .collect();
-    if args.common.json {
-        return print_json(&Document {
-            preset: &named.name,
-            fidelity: args.fidelity,
-            plants: args.plants,
-            seed: args.common.seed,
-            rotor_lag: named.rig.plant.rotor_time_constant,
-            controllers: rows,
-        });
+    let numbers: [(&str, fn(&Score) -> f64); 13] = [
+        ("cost", Score::cost),
+        ("settling_time_2_pitch", |s| s.settling_time.pitch),
+        ("settling_time_2_yaw", |s| s.settling_time.yaw),
+        ("overshoot_percent_pitch", |s| s.overshoot_percent.pitch),
+        ("overshoot_percent_yaw", |s| s.overshoot_percent.yaw),
+        ("disturbance_rms_deg_pitch", |s| s.disturbance_rms_deg.pitch),
+        ("disturbance_rms_deg_yaw", |s| s.disturbance_rms_deg.yaw),
+        ("hold_rms_deg_pitch", |s| s.hold_rms_deg.pitch),
+        ("hold_rms_deg_yaw", |s| s.hold_rms_deg.yaw),
+        ("voltage_variation", |s| s.voltage_variation),
+        ("saturation_time", |s| s.saturation_time),
+        ("diverged", |s| f64::from(u8::from(s.diverged))),
+        ("failed", |s| f64::from(u8::from(s.failed))),
+    ];
+    let mut table = Table::default();
+    table.push("controller", Column::Words(flights.iter().map(|(name, ..)| (*name).to_owned()).collect()));
+    table.push("plant", Column::Numbers(flights.iter().map(|(_, plant, _)| *plant as f64).collect()));
+    for (name, of) in numbers {
+        table.push(name, Column::Numbers(flights.iter().map(|(.., score)| of(score)).collect()));
     }
-    print(&report(args, &named, &rows))
+    table
 }
 
 fn ours_path(args: &Args, named: &NamedRig) -> PathBuf {
