@@ -20,7 +20,8 @@ use embassy_stm32::usart::{self, Uart};
 use embassy_stm32::{Config, bind_interrupts, dma, pac, peripherals};
 
 /// How the amplifiers are driven.
-pub(crate) const AMPLIFIER: Amplifier = Amplifier::LockedAntiphase;
+pub(crate) const AMPLIFIER: Amplifier =
+    if cfg!(feature = "sign-magnitude") { Amplifier::SignMagnitude } else { Amplifier::LockedAntiphase };
 /// The PWM's timer, whose update event is the tick.
 pub(crate) const PWM: pac::timer::TimAdv = pac::TIM1;
 /// \[counts\] Dead time between the two outputs of a half bridge, of 1/168 MHz: .5 µs.

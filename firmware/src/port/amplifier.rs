@@ -32,7 +32,6 @@ pub(crate) enum Amplifier {
     /// Each motor's bridge gets a PWM and its complement; half of the period each is zero volts.
     LockedAntiphase,
     /// Each motor's bridge gets a PWM on one of two inputs, one for each direction.
-    #[expect(dead_code, reason = "the other choice of board::AMPLIFIER")]
     SignMagnitude,
 }
 
