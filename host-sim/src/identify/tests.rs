@@ -97,21 +97,23 @@ fn known_constants_come_back_within_their_intervals() {
     assert!(hit as f64 >= 0.85 * found.len() as f64, "{hit} of {}: {found:?}", found.len());
 }
 
-/// Which true constants lie inside their intervals, of a rig whose linear thrust and cross thrust are known: few enough constants and
-/// short enough logs for a hundred repetitions.
-fn recovered_from_short_logs(seed: usize) -> Vec<(&'static str, bool)> {
+/// Which true constants lie inside their intervals, of a rig whose lags, linear thrust and thrust across are known: few enough
+/// constants and a log short enough for a hundred repetitions.
+fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
     let mut rng = Draws::new(90).of_move(seed);
-    let known =
-        ["effectiveness", "quadratic_effectiveness.main_on_yaw", "quadratic_effectiveness.tail_on_pitch"];
+    let known = [
+        "effectiveness",
+        "quadratic_effectiveness.main_on_yaw",
+        "quadratic_effectiveness.tail_on_pitch",
+        "rotor_time_constant",
+    ];
     let free = chosen(&[], &known.map(str::to_owned)).unwrap();
     let truth = drawn(&mut rng, &free);
-    let runs: Vec<Run> =
-        (0..2).map(|k| record(&truth, &|t| levels(t, 3.0 * f64::from(k)), 24.0, &mut rng)).collect();
-    let window = 3.0;
-    let problem =
-        Problem::new(&runs, training_windows(&runs, window).unwrap(), &AERO_LAB.plant, &free, THRESHOLD);
+    let runs = [record(&truth, &|t| levels(t, 0.0), 24.0, &mut rng)];
+    let windows = training_windows(&runs, 3.0).unwrap();
+    let problem = Problem::new(&runs, windows, &AERO_LAB.plant, &free, THRESHOLD);
     let values = free.iter().map(|k| to_array(&AERO_LAB.plant)[*k]).collect();
-    let (found, _) = descent::descend(&problem, &Guess { values, offsets: vec![0.0; 2] });
+    let (found, _) = descent::descend(&problem, &Guess { values, offsets: vec![0.0] });
     let truth = to_array(&truth);
     let inside = |(k, p): (&usize, Parameter)| {
         p.ci95.filter(|_| p.identifiable).map(|[least, most]| (p.name, (least..=most).contains(&truth[*k])))
@@ -122,7 +124,7 @@ fn recovered_from_short_logs(seed: usize) -> Vec<(&'static str, bool)> {
 /// Each identifiable constant lies inside its interval in at least 90 of 100 rigs, every one up to 20 % off its preset.
 #[test]
 fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
-    let found: Vec<Vec<(&str, bool)>> = (0..std::env::var("REPS").map_or(100, |n| n.parse().unwrap())).into_par_iter().map(recovered_from_short_logs).collect();
+    let found: Vec<Vec<(&str, bool)>> = (0..100).into_par_iter().map(recovered_from_a_short_log).collect();
     let mut tally = std::collections::BTreeMap::<&str, [usize; 2]>::new();
     for (name, inside) in found.into_iter().flatten() {
         let [hits, all] = tally.entry(name).or_default();
@@ -130,7 +132,7 @@ fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
         *all += 1;
     }
     println!("{tally:?}");
-    assert!(tally.len() >= 9 && tally.values().all(|[_, all]| *all >= 50), "{tally:?}");
+    assert!(tally.len() >= 8 && tally.values().all(|[_, all]| *all >= 50), "{tally:?}");
     assert!(tally.values().all(|[hits, all]| 10 * hits >= 9 * all), "[inside, identifiable]: {tally:?}");
 }
 
@@ -216,7 +218,7 @@ fn a_search_that_was_interrupted_ends_as_if_it_was_not() {
     )
     .unwrap();
     let problem =
-        Problem::new(&runs, training_windows(&runs, 2.0).unwrap(), &AERO_LAB.plant, &free, THRESHOLD);
+        Problem::new(&runs, training_windows(&runs, 3.0).unwrap(), &AERO_LAB.plant, &free, THRESHOLD);
     let effort = Effort { population: 4, iterations: 2, seed: 3 };
     let new = || Search::new("this".to_owned(), &problem, &AERO_LAB.plant, effort);
     let quiet = |checkpoint, interrupted| Conduct { checkpoint, interrupted, progress: &|_, _| () };
