@@ -11,7 +11,9 @@ use crate::identify::problem::Problem;
 use crate::identify::search::{Conduct, Effort, End, Search};
 use crate::identify::suggest::{Suggestion, suggest};
 use crate::identify::windows::Run;
-use crate::identify::{self, Parameter, THRESHOLD, WINDOW, figures, identified, offset_of, training_windows};
+use crate::identify::{
+    self, Parameter, THRESHOLD, WINDOW, figures, hold_measured_lags, identified, offset_of, training_windows,
+};
 use crate::log::{Columns, Log};
 use crate::output;
 use crate::plot;
@@ -96,15 +98,20 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let begun = Instant::now();
-    let named = args.common.resolve()?;
+    let mut named = args.common.resolve()?;
     let plot = check_paths(args)?;
     let window = at_least("--window", args.window, 0.2, false)?;
-    let free = constants::chosen(&args.free, &args.fix)?;
+    let mut free = constants::chosen(&args.free, &args.fix)?;
     let runs = load(&args.logs, args, &named.rig)?;
     let others = load(&args.validate, args, &named.rig)?;
     let mut notes = notes(&runs, &others);
     let regression = first_guess(&runs, &named.rig.plant);
     notes.extend(swapped(&regression, &named.rig.plant, &runs, 10.0));
+
+    let measured = hold_measured_lags(&runs, &mut named.rig.plant, &mut free, &args.free);
+    notes.extend(
+        measured.iter().map(|p| format!("{} is taken from the tachometers (--free it to fit it)", p.name)),
+    );
 
     let windows = training_windows(&runs, window)?;
     let count = windows.len();
@@ -122,7 +129,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 
     let plant = problem.plant(&found.values);
     let rig = identified(&named.rig, plant, &runs)?;
-    let (parameters, known) = identify::parameters(&problem, &found);
+    let (mut parameters, known) = identify::parameters(&problem, &found);
     output::write(&args.out, preset_file(&rig, args, &named).as_bytes())?;
     let mut compared: Vec<(&Run, f64, &'static str)> =
         runs.iter().zip(&found.offsets).map(|(run, offset)| (run, *offset, "train")).collect();
@@ -141,6 +148,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         }
         None => None,
     };
+    parameters.extend(measured);
 
     let wall_s = begun.elapsed().as_secs_f64();
     if args.common.json {
@@ -222,7 +230,7 @@ fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End
     };
     let conduct =
         Conduct { checkpoint: args.checkpoint.file.clone(), interrupted: &interrupted, progress: &progress };
-    let end = search.run(problem, &conduct);
+    let end = search.run(problem, args.window, &conduct);
     bar.finish_and_clear();
     end
 }

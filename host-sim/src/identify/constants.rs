@@ -30,6 +30,10 @@ enum Reach {
     PitchEither(f64),
     /// Either sign, for each unit of yaw inertia.
     YawEither(f64),
+    /// What the tail motor does to pitch: of the preset's sign, for each unit of pitch inertia.
+    TailOnPitch(f64),
+    /// What the main motor does to yaw: of the preset's sign, for each unit of yaw inertia.
+    MainOnYaw(f64),
     /// These bounds as they are.
     Plain(f64, f64),
 }
@@ -45,7 +49,8 @@ const fn known(name: &'static str, unit: &'static str, least: f64, most: f64) ->
 /// Every constant, in the order of [`PlantParameters::map`].
 ///
 /// Angles and volts give only ratios to the inertias, so inertias, mass, centre of mass and gravity are known unless they are freed
-/// by name. A motor's own thrust on its own axis is positive by the sign convention; what it does to the other axis may be either.
+/// by name. A motor's own thrust on its own axis is positive by the sign convention. What it does to the other axis has the sign that the
+/// preset gives it at usual volts, if it gives one: linear and quadratic part alike, since a propeller that turns faster pushes harder.
 pub const CONSTANTS: [Constant; COUNT] = [
     known("mass", "kg", 1e-3, 1e2),
     known("center_of_mass", "m", -1.0, 1.0),
@@ -56,12 +61,12 @@ pub const CONSTANTS: [Constant; COUNT] = [
     free("damping.yaw", "N m s/rad", Reach::Yaw(40.0)),
     free("stiffness", "N m/rad", Reach::Pitch(100.0)),
     free("effectiveness.main_on_pitch", "N m/V", Reach::Pitch(12.0)),
-    free("effectiveness.tail_on_pitch", "N m/V", Reach::PitchEither(12.0)),
-    free("effectiveness.main_on_yaw", "N m/V", Reach::YawEither(12.0)),
+    free("effectiveness.tail_on_pitch", "N m/V", Reach::TailOnPitch(12.0)),
+    free("effectiveness.main_on_yaw", "N m/V", Reach::MainOnYaw(12.0)),
     free("effectiveness.tail_on_yaw", "N m/V", Reach::Yaw(12.0)),
     free("quadratic_effectiveness.main_on_pitch", "N m/V²", Reach::Pitch(1.0)),
-    free("quadratic_effectiveness.tail_on_pitch", "N m/V²", Reach::PitchEither(1.0)),
-    free("quadratic_effectiveness.main_on_yaw", "N m/V²", Reach::YawEither(1.0)),
+    free("quadratic_effectiveness.tail_on_pitch", "N m/V²", Reach::TailOnPitch(1.0)),
+    free("quadratic_effectiveness.main_on_yaw", "N m/V²", Reach::MainOnYaw(1.0)),
     free("quadratic_effectiveness.tail_on_yaw", "N m/V²", Reach::Yaw(1.0)),
     free("rotor_time_constant.main", "s", Reach::Plain(0.005, 0.6)),
     free("rotor_time_constant.tail", "s", Reach::Plain(0.005, 0.6)),
@@ -71,12 +76,21 @@ pub const CONSTANTS: [Constant; COUNT] = [
     free("coulomb_friction.yaw", "N m", Reach::Yaw(2.0)),
 ];
 
+/// \[V\] Where the sign of a thrust counts.
+const USUAL_VOLTS: f64 = 10.0;
+
 impl Constant {
     /// Least and most that physics allows on a rig with this plant's inertias.
     pub fn bounds(&self, plant: &PlantParameters<f64>) -> [f64; 2] {
         let weight = plant.mass * plant.center_of_mass * plant.center_of_mass;
         let inertia = plant.inertia.map(|i| i + weight);
+        let across = |sign: f64, most: f64| {
+            [if sign > 0.0 { 0.0 } else { -most }, if sign < 0.0 { 0.0 } else { most }]
+        };
+        let usual = plant.effectiveness_at(USUAL_VOLTS);
         match self.reach {
+            Reach::TailOnPitch(most) => across(usual.tail_on_pitch, most * inertia.pitch),
+            Reach::MainOnYaw(most) => across(usual.main_on_yaw, most * inertia.yaw),
             Reach::Pitch(most) => [0.0, most * inertia.pitch],
             Reach::Yaw(most) => [0.0, most * inertia.yaw],
             Reach::PitchEither(most) => [-most * inertia.pitch, most * inertia.pitch],

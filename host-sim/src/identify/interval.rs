@@ -2,9 +2,9 @@
 //!
 //! Errors within a window hang together, so their number says little; windows are far less dependent. The covariance is the
 //! cluster-robust sandwich with windows as clusters, each window's residuals enlarged by what the fit took from them (CR3: Bell and
-//! McCaffrey, Survey Methodology 28, 2002), which is the jackknife over windows and errs on the side of caution; quantiles are
-//! Student's for as many degrees of freedom as there are clusters beyond unknowns. Where there are fewer than
-//! [`CLUSTERS_AN_UNKNOWN`] windows for each unknown, windows are split into equal parts until there are as many.
+//! McCaffrey, Survey Methodology 28, 2002), which is the jackknife over windows and errs on the side of caution. Where there are
+//! fewer than [`CLUSTERS_AN_UNKNOWN`] windows for each unknown, windows are split into equal parts until there are as many. Parts of a
+//! window do hang together, so quantiles are Student's for as many degrees of freedom as there are whole windows beyond unknowns.
 
 use super::problem::{Block, Problem};
 use nalgebra::{DMatrix, DVector};
@@ -26,6 +26,9 @@ pub struct Precision {
 
 /// Fewer clusters than this for each unknown say little of how they scatter.
 pub const CLUSTERS_AN_UNKNOWN: usize = 3;
+/// Degrees of freedom where there are hardly more windows than unknowns: fewer would make every interval useless, and with these
+/// nine in ten hold the truth (the study is a test of [`super`]).
+const FEWEST_DEGREES: usize = 4;
 /// Nearer to a bound than this part of the range: the bound holds it.
 const AT_BOUND: f64 = 3e-6;
 /// Directions in which the scaled information is below this part of the largest are taken for unknown.
@@ -79,7 +82,7 @@ pub fn precision(problem: &Problem<'_>, values: &[f64], blocks: &[Block]) -> Pre
 
     let squares: f64 = blocks.iter().map(|b| b.residuals.norm_squared()).sum();
     let residuals: usize = blocks.iter().map(|b| b.residuals.len()).sum();
-    let quantile = student_95(clusters.len().saturating_sub(unknowns).max(1));
+    let quantile = student_95(blocks.len().saturating_sub(unknowns).max(FEWEST_DEGREES));
     let mut half_width = vec![f64::INFINITY; free];
     let mut covariance = DMatrix::zeros(unknowns, unknowns);
     for (i, k) in told.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The constants of a real rig from its own logs.
 //!
 //! Output error: the core's plant is fed the volts of a log and its constants are moved until its angles look like the logged ones.
-//! In the order of a run: [`windows`] cuts logs, [`first_guess`] finds where to begin, [`problem`] is the least squares, [`search`]
+//! In the order of a run: [`windows`] cuts logs, [`tachometer`] reads lags, [`first_guess`] finds where to begin, [`problem`] is the least squares, [`search`]
 //! and [`descent`] solve it, [`interval`] says how well each constant is known, [`mod@fit`] how well the logs are explained, and
 //! [`suggest`] which experiment would tell more.
 
@@ -15,10 +15,11 @@ pub mod problem;
 pub mod search;
 pub mod smooth;
 pub mod suggest;
+pub mod tachometer;
 pub mod windows;
 
 use crate::error::{Failure, Outcome};
-use constants::CONSTANTS;
+use constants::{CONSTANTS, from_array, to_array};
 use fit::{Fit, LENGTHS, fit};
 use interval::{Precision, precision};
 use problem::{Guess, Problem};
@@ -52,12 +53,40 @@ pub struct Parameter {
 /// Of a bound's range: an interval narrower than this is knowledge even around zero.
 const NARROW: f64 = 1e-3;
 
+/// Takes the lags that tachometers show into `plant`, and out of what is `free` unless it was `freed` by name; gives them as found.
+pub fn hold_measured_lags(
+    runs: &[Run],
+    plant: &mut PlantParameters<f64>,
+    free: &mut Vec<usize>,
+    freed: &[String],
+) -> Vec<Parameter> {
+    let mut values = to_array(plant);
+    let lags = tachometer::lags(runs);
+    let mut found = Vec::new();
+    for (name, lag) in [("rotor_time_constant.main", lags.main), ("rotor_time_constant.tail", lags.tail)] {
+        let place = free.iter().position(|k| CONSTANTS[*k].name == name);
+        let (Some(lag), Some(place), false) = (lag, place, freed.iter().any(|f| f == name)) else { continue };
+        let index = free.remove(place);
+        values[index] = lag.value;
+        found.push(Parameter {
+            name,
+            value: lag.value,
+            unit: CONSTANTS[index].unit,
+            ci95: Some([lag.value - lag.half_width, lag.value + lag.half_width]),
+            identifiable: lag.half_width < lag.value,
+            at_bound: false,
+        });
+    }
+    *plant = from_array(&values);
+    found
+}
+
 /// The windows of every run in which anything happens.
 pub fn training_windows(runs: &[Run], length: f64) -> Outcome<Vec<Window>> {
     let windows: Vec<Window> = runs
         .iter()
         .enumerate()
-        .flat_map(|(k, run)| run.windows(k, length).into_iter().filter(|w| run.is_alive(w)))
+        .flat_map(|(k, run)| run.calm_windows(k, length).into_iter().filter(|w| run.is_alive(w)))
         .collect();
     if windows.is_empty() {
         return Err(Failure::Input(format!(
@@ -92,7 +121,7 @@ pub fn offset_of(run: &Run, plant: &PlantParameters<f64>, window: f64) -> f64 {
         return 0.0;
     }
     let runs = std::slice::from_ref(run);
-    let problem = Problem::new(runs, run.windows(0, window), plant, &[], THRESHOLD);
+    let problem = Problem::new(runs, run.calm_windows(0, window), plant, &[], THRESHOLD);
     let nothing = Guess { values: Vec::new(), offsets: vec![0.0] };
     descent::descend(&problem, &nothing).0.offsets[0]
 }

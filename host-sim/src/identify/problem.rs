@@ -59,6 +59,8 @@ const START_STEPS: usize = 8;
 const SETTLED: f64 = 1e-6;
 /// Steps for derivatives by differences: \[rad\] and \[rad/s\].
 const STATE_STEP: f64 = 1e-6;
+/// The same for constants, of their size: wide enough to look past the small kinks that friction makes in the cost.
+const VALUE_STEP: f64 = 1e-3;
 /// Directions of the initial state that matter less than this part of the one that matters most are left alone: a body held by
 /// friction forgets its initial rate.
 const NEGLIGIBLE: f64 = 1e-5;
@@ -122,7 +124,7 @@ impl<'a> Problem<'a> {
         let moved: Vec<Moved> = if derivatives { self.moved(guess, &rotors) } else { Vec::new() };
         let block = |(k, window): (usize, &Window)| {
             let at = At { plant: &plant, offset: guess.offsets[window.run], rotor_volts: rotors[k] };
-            let (start, residuals, basis) = self.settle(window, &at);
+            let (start, residuals, basis) = self.settle(window, &at, derivatives);
             let jacobian = if derivatives {
                 self.jacobian(k, &at, start, &residuals, &basis, &moved)
             } else {
@@ -151,7 +153,7 @@ impl<'a> Problem<'a> {
     fn moved(&self, guess: &Guess, rotors: &[PerMotor<f64>]) -> Vec<Moved> {
         let moved = |k: usize| {
             let [least, most] = self.bounds[k];
-            let step = 1e-5 * guess.values[k].abs().max(1e-4 * (most - least));
+            let step = VALUE_STEP * guess.values[k].abs().max(1e-4 * (most - least));
             let mut values = guess.values.clone();
             values[k] += step;
             let plant = self.plant(&values);
@@ -186,8 +188,14 @@ impl<'a> Problem<'a> {
     }
 
     /// The initial state that fits a window best (Gauss and Newton, halved steps), with residuals and a basis of what other initial
-    /// states would change. The slopes are taken anew only where the old ones no longer lead on: a window is nearly linear in them.
-    fn settle(&self, window: &Window, at: &At<'_>) -> (State<f64>, DVector<f64>, DMatrix<f64>) {
+    /// states would change. The slopes are taken anew only where the old ones no longer lead on, since a window is nearly linear in
+    /// them, and where they end up in derivatives.
+    fn settle(
+        &self,
+        window: &Window,
+        at: &At<'_>,
+        for_derivatives: bool,
+    ) -> (State<f64>, DVector<f64>, DMatrix<f64>) {
         let run = &self.runs[window.run];
         let mut start = run.guess(window.first);
         start.angle.pitch += at.offset;
@@ -197,7 +205,12 @@ impl<'a> Problem<'a> {
         for _ in 0..START_STEPS {
             let (step, gain) = slopes.step(&residuals);
             if gain <= SETTLED * residuals.norm_squared() {
-                break;
+                if fresh || !for_derivatives {
+                    break;
+                }
+                slopes = Slopes::new(self.by_start(window, at, start, &residuals));
+                fresh = true;
+                continue;
             }
             let gained = [1.0, 0.3].into_iter().find_map(|part| {
                 let next = moved_start(run, start, &(&step * part));

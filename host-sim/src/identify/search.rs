@@ -2,7 +2,7 @@
 //! say, and the best of them.
 //!
 //! Search and descent begin with short windows. Over these even a poor plant stays near the log, so there are fewer minima that are
-//! not the right one; where they end, the descent over the windows that were asked for begins.
+//! not the right one; where a descent ends, one over longer windows begins, up to those that were asked for.
 
 use super::constants::to_array;
 use super::descent::descend;
@@ -46,8 +46,8 @@ pub struct Search {
     descents: Vec<(Guess, f64)>,
 }
 
-/// \[s\] Length of the short windows.
-const SHORT: f64 = 1.5;
+/// \[s\] Lengths of the windows that descents pass through, as far as they are shorter than those asked for.
+const LENGTHS: [f64; 2] = [1.5, 2.7];
 /// By how much of a constant's size, beyond the two guesses, it is searched.
 const MARGIN: f64 = 0.5;
 
@@ -81,17 +81,23 @@ impl Search {
         Self { identity, pollination, starts, descents: Vec::new() }
     }
 
-    /// Searches to the end, or until it is interrupted; then the best so far is what has been found.
-    pub fn run(&mut self, problem: &Problem<'_>, conduct: &Conduct<'_>) -> Outcome<End> {
+    /// Searches to the end (a problem with windows of `window` \[s\]), or until it is interrupted; then the best so far is what has
+    /// been found.
+    pub fn run(&mut self, problem: &Problem<'_>, window: f64, conduct: &Conduct<'_>) -> Outcome<End> {
         let offsets = vec![0.0; problem.runs()];
-        let short = problem.with_windows(training_windows(problem.logs(), SHORT)?);
+        let with_length = |length: &f64| {
+            training_windows(problem.logs(), *length).map(|windows| problem.with_windows(windows))
+        };
+        let lengths = LENGTHS.iter().filter(|length| **length < window);
+        let mut stages: Vec<Problem<'_>> = lengths.map(with_length).collect::<Outcome<_>>()?;
+        stages.push(problem.clone());
         loop {
             let asked = self.pollination.ask();
             if asked.is_empty() {
                 break;
             }
             let guess = |values: &[f64]| Guess { values: values.to_vec(), offsets: offsets.clone() };
-            let costs: Vec<f64> = asked.iter().map(|c| short.cost(&guess(&c.position))).collect();
+            let costs: Vec<f64> = asked.iter().map(|c| stages[0].cost(&guess(&c.position))).collect();
             self.pollination.tell(&costs);
             (conduct.progress)("search", self.pollination.best().map_or(f64::INFINITY, |b| b.cost));
             self.save(conduct)?;
@@ -105,9 +111,8 @@ impl Search {
             self.starts.push(found);
         }
         while let Some(start) = self.starts.get(self.descents.len()) {
-            let from = Guess { values: start.clone(), offsets: offsets.clone() };
-            let (near, _) = descend(&short, &from);
-            self.descents.push(descend(problem, &near));
+            let from = (Guess { values: start.clone(), offsets: offsets.clone() }, f64::INFINITY);
+            self.descents.push(stages.iter().fold(from, |(at, _), stage| descend(stage, &at)));
             (conduct.progress)("descent", self.best().map_or(f64::INFINITY, |(_, cost)| *cost));
             self.save(conduct)?;
             if (conduct.interrupted)() {

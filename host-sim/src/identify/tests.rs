@@ -4,9 +4,10 @@ use super::*;
 use crate::checkpoint;
 use crate::log::Log;
 use crate::optimise::Draws;
-use constants::{chosen, from_array, to_array};
+use constants::chosen;
 use problem::Guess;
 use rand::{Rng, RngExt};
+use rayon::prelude::*;
 use search::{Conduct, Effort, Search};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::encoder::angle_per_count;
@@ -78,7 +79,7 @@ fn recovered(seed: usize) -> Vec<(&'static str, bool)> {
     let effort = Effort { population: 2, iterations: 0, seed: 1 };
     let mut search = Search::new(String::new(), &problem, &AERO_LAB.plant, effort);
     let conduct = Conduct { checkpoint: None, interrupted: &|| false, progress: &|_, _| () };
-    search.run(&problem, &conduct).unwrap();
+    search.run(&problem, WINDOW, &conduct).unwrap();
     let (found, _) = search.best().unwrap().clone();
     let (parameters, _) = parameters(&problem, &found);
     let truth = to_array(&truth);
@@ -97,25 +98,59 @@ fn known_constants_come_back_within_their_intervals() {
     assert!(hit as f64 >= 0.85 * found.len() as f64, "{hit} of {}: {found:?}", found.len());
 }
 
-/// Every identifiable constant inside its interval in at least 90 of 100 runs.
+/// Which true constants lie inside their intervals, of a rig whose lags, linear thrust and thrust across are known: few enough
+/// constants and a log short enough for a hundred repetitions.
+fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
+    let mut rng = Draws::new(90).of_move(seed);
+    let known = [
+        "effectiveness",
+        "quadratic_effectiveness.main_on_yaw",
+        "quadratic_effectiveness.tail_on_pitch",
+        "rotor_time_constant",
+    ];
+    let free = chosen(&[], &known.map(str::to_owned)).unwrap();
+    let truth = drawn(&mut rng, &free);
+    let runs = [record(&truth, &|t| levels(t, 0.0), 24.0, &mut rng)];
+    let windows = training_windows(&runs, 3.0).unwrap();
+    let problem = Problem::new(&runs, windows, &AERO_LAB.plant, &free, THRESHOLD);
+    let values = free.iter().map(|k| to_array(&AERO_LAB.plant)[*k]).collect();
+    let (found, _) = descent::descend(&problem, &Guess { values, offsets: vec![0.0] });
+    let truth = to_array(&truth);
+    let inside = |(k, p): (&usize, Parameter)| {
+        p.ci95.filter(|_| p.identifiable).map(|[least, most]| (p.name, (least..=most).contains(&truth[*k])))
+    };
+    free.iter().zip(parameters(&problem, &found).0).filter_map(inside).collect()
+}
+
+/// Each identifiable constant lies inside its interval in at least 90 of 100 rigs, every one up to 20 % off its preset.
 #[test]
-#[ignore = "minutes: cargo test --release -p host-sim --lib -- --ignored hundred_repetitions --nocapture"]
-fn hundred_repetitions() {
+fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
+    let found: Vec<Vec<(&str, bool)>> = (0..100).into_par_iter().map(recovered_from_a_short_log).collect();
     let mut tally = std::collections::BTreeMap::<&str, [usize; 2]>::new();
-    for seed in 0..100 {
-        for (name, inside) in recovered(seed) {
-            let [hits, all] = tally.entry(name).or_default();
-            *hits += usize::from(inside);
-            *all += 1;
-        }
+    for (name, inside) in found.into_iter().flatten() {
+        let [hits, all] = tally.entry(name).or_default();
+        *hits += usize::from(inside);
+        *all += 1;
     }
-    for (name, [hits, all]) in &tally {
-        println!("{name}: {hits} of {all}");
+    println!("{tally:?}");
+    assert!(tally.len() >= 8 && tally.values().all(|[_, all]| *all >= 50), "{tally:?}");
+    assert!(tally.values().all(|[hits, all]| 10 * hits >= 9 * all), "[inside, identifiable]: {tally:?}");
+}
+
+/// Where the rotors settle, not where they start: a window that begins with a jump would explain the kick by its initial rate.
+#[test]
+fn windows_to_fit_begin_where_the_rotors_are_calm() {
+    let mut rng = Draws::new(11).of_move(0);
+    let step_at_five = |t: f64| PerMotor { main: if t < 5.0 { 0.0 } else { 10.0 }, tail: 0.0 };
+    let run = record(&AERO_LAB.plant, &step_at_five, 17.0, &mut rng);
+    let windows = run.calm_windows(0, 5.0);
+    assert_eq!(windows.iter().map(|w| w.rows).sum::<usize>(), run.log.angle.len());
+    for pair in windows.windows(2) {
+        assert_eq!(pair[0].first + pair[0].rows, pair[1].first);
+        let begins = pair[1].first as f64 * SAMPLE_TIME;
+        assert!((begins - 5.0).abs() > 1.0, "{begins}");
     }
-    assert!(tally.len() >= 14);
-    for (name, [hits, all]) in tally {
-        assert!(hits as f64 >= 0.9 * all as f64, "{name}: {hits} of {all}");
-    }
+    assert!(windows.iter().all(|w| (1250..=3750).contains(&w.rows)), "{windows:?}");
 }
 
 #[test]
@@ -184,15 +219,15 @@ fn a_search_that_was_interrupted_ends_as_if_it_was_not() {
     )
     .unwrap();
     let problem =
-        Problem::new(&runs, training_windows(&runs, 2.0).unwrap(), &AERO_LAB.plant, &free, THRESHOLD);
+        Problem::new(&runs, training_windows(&runs, 3.0).unwrap(), &AERO_LAB.plant, &free, THRESHOLD);
     let effort = Effort { population: 4, iterations: 2, seed: 3 };
     let new = || Search::new("this".to_owned(), &problem, &AERO_LAB.plant, effort);
     let quiet = |checkpoint, interrupted| Conduct { checkpoint, interrupted, progress: &|_, _| () };
     let mut whole = new();
-    whole.run(&problem, &quiet(None, &|| false)).unwrap();
+    whole.run(&problem, 2.0, &quiet(None, &|| false)).unwrap();
     let mut part = new();
     let mut ends = 0;
-    while part.run(&problem, &quiet(Some(path.clone()), &|| true)).unwrap() == search::End::Interrupted {
+    while part.run(&problem, 2.0, &quiet(Some(path.clone()), &|| true)).unwrap() == search::End::Interrupted {
         part = checkpoint::read(&path, "this").unwrap();
         ends += 1;
         assert!(ends < 50);

@@ -40,8 +40,17 @@ const GUESS_REACH: f64 = 0.06;
 const LONGEST_STEP: f64 = 2.5e-3;
 /// \[rad\] Least scale of residuals: an axis that hardly moves must not weigh more than one that does.
 const LEAST_SCALE: f64 = 0.03;
+/// \[s\] A rotor's lag, as good as is needed to see where rotors are calm.
+const USUAL_LAG: f64 = 0.15;
 /// \[kg m²\] A locked axis is one that nothing can turn.
 const LOCKED: f64 = 1e9;
+
+/// How many rows a window of `length` \[s\] has.
+fn rows(length: f64, sample_time: f64) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number of rows")]
+    let rows = (length / sample_time).round() as usize;
+    rows.max(2)
+}
 
 impl Run {
     /// Smooths the angles and finds the scales.
@@ -64,12 +73,7 @@ impl Run {
 
     /// Windows of `length` \[s\], one after the other; what is left at the end of a stretch counts if it is at least half as long.
     pub fn windows(&self, run: usize, length: f64) -> Vec<Window> {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a positive number of rows"
-        )]
-        let rows = ((length / self.log.sample_time).round() as usize).max(2);
+        let rows = rows(length, self.log.sample_time);
         let mut windows = Vec::new();
         for stretch in &self.log.stretches {
             let mut first = stretch.start;
@@ -80,6 +84,62 @@ impl Run {
             }
         }
         windows
+    }
+
+    /// Windows of about `length` \[s\] to fit constants to: all rows of a stretch, cut near every `length` where the rotors are calmest.
+    ///
+    /// A window that begins as the volts jump explains the kick of the rotors by its initial rate, which is free, and so hides the
+    /// reaction torque from the fit. Cuts move by up to a quarter of a window, so windows are half to one and a half as long.
+    pub fn calm_windows(&self, run: usize, length: f64) -> Vec<Window> {
+        let rows = rows(length, self.log.sample_time);
+        let reach = rows / 4;
+        let unrest = self.unrest();
+        let around = |row: usize, stretch: &std::ops::Range<usize>| {
+            unrest[(row + reach).min(stretch.end)] - unrest[row.saturating_sub(reach).max(stretch.start)]
+        };
+        let mut windows = Vec::new();
+        for stretch in &self.log.stretches {
+            let stretch_rows = stretch.len();
+            // Rounded to the nearest: what is left at the end belongs to the last window or is one of its own.
+            let parts = ((2 * stretch_rows + rows) / (2 * rows)).max(usize::from(2 * stretch_rows >= rows));
+            let mut first = stretch.start;
+            for k in 1..=parts {
+                let wanted = stretch.start + k * rows;
+                let cut = if k == parts {
+                    stretch.end
+                } else {
+                    let nearest = |row: &usize| row.abs_diff(wanted);
+                    (wanted - reach..=(wanted + reach).min(stretch.end))
+                        .min_by(|a, b| {
+                            around(*a, stretch)
+                                .total_cmp(&around(*b, stretch))
+                                .then(nearest(a).cmp(&nearest(b)))
+                        })
+                        .unwrap_or(wanted)
+                };
+                windows.push(Window { run, first, rows: cut - first, stretch: stretch.start });
+                first = cut;
+            }
+        }
+        windows
+    }
+
+    /// \[V\] Summed over all rows before each: how far the volts sent are from those in effect, at a lag as these rigs have it.
+    fn unrest(&self) -> Vec<f64> {
+        let keep = decay(self.log.sample_time, USUAL_LAG);
+        let mut sum = 0.0;
+        let mut all = Vec::with_capacity(self.log.volts.len() + 1);
+        all.push(sum);
+        for stretch in &self.log.stretches {
+            let mut acting = self.log.volts[stretch.start];
+            for volts in &self.log.volts[stretch.clone()] {
+                let missing = volts.minus(acting);
+                sum += missing.main.abs() + missing.tail.abs();
+                all.push(sum);
+                acting = volts.minus(missing.scaled(keep));
+            }
+        }
+        all
     }
 
     /// Does anything happen in a window? Where the rig lies still with its motors off there is nothing to learn.
