@@ -137,12 +137,14 @@ fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
     Ok(trial)
 }
 
+type Number = fn(&Score) -> f64;
+
 /// Every flight as a row: controller, number of the plant, the score's terms and its cost.
 fn flights<'a>(controllers: impl Iterator<Item = (&'a str, &'a Vec<Score>)>) -> Table {
     let flights: Vec<(&str, usize, &Score)> = controllers
         .flat_map(|(name, scores)| scores.iter().enumerate().map(move |(k, score)| (name, k + 1, score)))
         .collect();
-    let numbers: [(&str, fn(&Score) -> f64); 13] = [
+    let numbers: [(&str, Number); 13] = [
         ("cost", Score::cost),
         ("settling_time_2_pitch", |s| s.settling_time.pitch),
         ("settling_time_2_yaw", |s| s.settling_time.yaw),

@@ -3,15 +3,17 @@
 use super::Row;
 use crate::error::{Failure, Outcome, at_least, known_name};
 
+type Number = fn(&Row) -> f64;
+
 /// At most this much of one of the numbers by which controllers are compared.
 #[derive(Debug, Clone, Copy)]
 pub struct Limit {
-    number: fn(&Row) -> f64,
+    number: Number,
     most: f64,
 }
 
 /// The numbers that can be limited, as `compare --json` spells them, in its units.
-const NUMBERS: [(&str, fn(&Row) -> f64); 12] = [
+const NUMBERS: [(&str, Number); 12] = [
     ("settling_time_2.pitch", |r| r.settling_time_2.pitch),
     ("settling_time_2.yaw", |r| r.settling_time_2.yaw),
     ("settling_p95.pitch", |r| r.settling_p95.pitch),
