@@ -35,7 +35,6 @@ const RISE: u64 = 8_000;
 ///
 /// If the board does not come so far, with what it says instead.
 pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
-    station.send(&ToBoard::Telemetry { every: 1 });
     wait(station, u64::from(STILL_TICKS) + 100, told)?;
     station.send(&ToBoard::Control(Wish::Zero));
     wait(station, 100, told)?;
@@ -46,6 +45,8 @@ pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<
     }
     reach(station, State::Ready, told)?;
     station.aim(PerAxis::both(0.0));
+    // Of the flight every tick is wanted; the check may take two minutes.
+    station.send(&ToBoard::Telemetry { every: 1 });
     station.request(Request::Arm);
     reach(station, State::Armed, told)?;
     wait(station, RISE, told)
