@@ -36,15 +36,23 @@ const RISE: u64 = 8_000;
 /// If the board does not come so far, with what it says instead.
 pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
     wait(station, u64::from(STILL_TICKS) + 100, told)?;
-    station.send(&ToBoard::Control(Wish::Zero));
-    wait(station, 100, told)?;
     if station.heard.conditions().contains(&Condition::NotChecked) {
+        station.machine.rig(|rig: &mut Helicopter| rig.stand(true));
         station.request(Request::Check);
         reach(station, State::Checking, told)?;
         station.run_until(PATIENCE, |heard| !heard.verdicts.is_empty());
     }
+    // Refused for as long as the rig still swings.
+    for _ in 0..PATIENCE / 500 {
+        station.send(&ToBoard::Control(Wish::Zero));
+        wait(station, 500, told)?;
+        if !station.heard.conditions().contains(&Condition::NotZeroed) {
+            break;
+        }
+    }
     reach(station, State::Ready, told)?;
     station.aim(PerAxis::both(0.0));
+    station.machine.rig(|rig: &mut Helicopter| rig.stand(false));
     // Of the flight every tick is wanted; the check may take two minutes.
     station.send(&ToBoard::Telemetry { every: 1 });
     station.request(Request::Arm);

@@ -46,6 +46,10 @@ pub struct Helicopter {
     full_steps: f32,
     /// Somebody holds it where it rests until the amplifiers are switched on.
     held: bool,
+    /// \[rad\] The pitch of its rest pose, if its weight pulls its nose down.
+    lowest: Option<f32>,
+    /// See [`Helicopter::stand`].
+    stands: bool,
     /// What is broken.
     pub broken: Broken,
     /// \[V\] Added to what the motors get.
@@ -68,6 +72,8 @@ impl Helicopter {
             supply: 0.0,
             full_steps: f32::from_i32(rig.pwm_steps.cast_signed()),
             held: true,
+            lowest: (rig.plant.center_of_mass > 0.0).then_some(f32::from_f64(rig.rest_angle.pitch)),
+            stands: false,
             broken: Broken::default(),
             disturbance: PerMotor::zero(),
             flown: Vec::new(),
@@ -96,6 +102,22 @@ impl Helicopter {
         self.inputs.amplifier_fault = amplifier_fault;
     }
 
+    /// Something is under it that bears its weight in its rest pose, or is taken away. A rig that rests nose down always has its stop.
+    pub fn stand(&mut self, stands: bool) {
+        self.stands = stands;
+    }
+
+    fn lie(&mut self) {
+        let mut body = self.plant.state();
+        let Some(lowest) = self.lowest.filter(|&lowest| self.stands || lowest < 0.0) else { return };
+        if body.angle.pitch < lowest {
+            body.angle.pitch = lowest;
+            body.rate.pitch = 0.0;
+            let constants = self.parameters.map(f32::from_f64);
+            self.plant = RealPlant::assemble(constants, *self.plant.rotors(), body, SAMPLE_TIME);
+        }
+    }
+
     /// Somebody catches it, and holds it there until the amplifiers are switched on again.
     pub fn hold(&mut self) {
         self.held = true;
@@ -119,6 +141,7 @@ impl Helicopter {
         self.held &= !enabled;
         if !self.held {
             self.plant.advance(volts, self.disturbance);
+            self.lie();
         }
         self.look();
     }
