@@ -24,8 +24,8 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
         paper | aero-lab) controller=integral ;;
         *) controller=cancelling ;;
     esac
-    # With these, what laboratories fly today is worse not only in the sum but in every term (docs/rig-law.md). They are a little
-    # below what is asked for, since other plants are flown than are tuned on.
+    # With these, what laboratories fly today is worse not only in the sum but in its terms (docs/rig-law.md names the exceptions).
+    # They are a little below what is asked for, since other plants are flown than are tuned on.
     case $name in
         paper)
             limits=settling_time_2.yaw=0.81,overshoot_p95.pitch=1.7,overshoot_p95.yaw=2,disturbance_rms_deg.yaw=0.107
