@@ -8,6 +8,7 @@ cargo test --workspace --exclude firmware
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"
 RUSTUP_TOOLCHAIN="$toolchain" cargo fw
+RUSTUP_TOOLCHAIN="$toolchain" cargo fw --features sign-magnitude --target-dir target/sign-magnitude
 cargo test -p firmware
 cd tests/virtual-board
 cargo test --release --ignore-rust-version

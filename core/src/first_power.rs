@@ -1,14 +1,15 @@
 //! The first-power check: before a rig is armed for the first time, each motor in turn gets a low voltage for a moment,
 //! and what the encoders show says whether the wiring is right.
 //!
-//! For each motor: wait until the rig lies still, push with `limits.check_volts` until it has moved far enough or
-//! [`PUSH_TICKS`] are over, let it come to rest. The motion of the two pushes is compared with that which the model
-//! predicts, K V by axis, under each way of connecting things wrongly. Two ways look the same from here: both motors
-//! reversed, or both encoders; the verdict names the motors.
+//! For each motor: wait until the rig lies still, push with the volts of `limits.check` until it has moved far enough or
+//! [`PUSH_TICKS`] are over, let it come to rest. The directions in which the two pushes turned the rig are compared with
+//! those that the preset's whole model predicts ([`Push::predicted`]), under each way of connecting things wrongly. Two
+//! ways look the same from here: both motors reversed, or both encoders; the verdict names the motors.
 
 use crate::axes::{PerAxis, PerMotor};
-use crate::parameters::Parameters;
-use crate::plant::Effectiveness;
+use crate::parameters::{Parameters, SAMPLE_TIME};
+use crate::plant::presets::Rig;
+use crate::plant::{PlantParameters, RealPlant, State};
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,60 @@ pub const SETTLE_TICKS: u32 = 180_000;
 pub const FAR_ENOUGH: f32 = 0.15;
 /// \[rad\] The least motion of a push that says anything.
 pub const LEAST_MOTION: f32 = 0.02;
+
+/// One motor's push: what it is given, and what the rig should make of it, connected rightly or not.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Push {
+    /// \[V\] Above 0.
+    pub volts: f32,
+    /// \[rad\] How far it turns a rig that is connected as it should be.
+    pub motion: PerAxis<f32>,
+    /// \[rad\] The same if the motors are swapped.
+    pub swapped: PerAxis<f32>,
+    /// \[rad\] The same if this motor turns backwards.
+    pub reversed: PerAxis<f32>,
+}
+
+impl Push {
+    /// What `volts` on one motor at a time do to a rig, by its whole model: friction may hold one axis, the reaction of a
+    /// rotor that starts to turn may outweigh its thrust, and a nose that its weight pulls down lies on something.
+    pub fn predicted(rig: &Rig, volts: PerMotor<f64>) -> PerMotor<Self> {
+        let push = |volts, own: fn(f64) -> PerMotor<f64>, other: fn(f64) -> PerMotor<f64>| Self {
+            volts: f32::from_f64(volts),
+            motion: motion(rig, own(volts)),
+            swapped: motion(rig, other(volts)),
+            reversed: motion(rig, own(-volts)),
+        };
+        let main = |volts| PerMotor::new(volts, 0.0);
+        let tail = |volts| PerMotor::new(0.0, volts);
+        PerMotor::new(push(volts.main, main, tail), push(volts.tail, tail, main))
+    }
+}
+
+/// \[rad\] How far `volts` turn the rig from its rest pose until a push ends.
+fn motion(rig: &Rig, volts: PerMotor<f64>) -> PerAxis<f32> {
+    let rest = State::at_rest(rig.rest_angle);
+    let lies = rig.plant.center_of_mass > 0.0;
+    // A nose that is too light is held; only one that is too heavy lies by itself.
+    let gravity = if lies { rig.plant.gravity } else { 0.0 };
+    let constants = PlantParameters { gravity, ..rig.plant };
+    let mut plant = RealPlant::<f64>::new(&constants, rest, SAMPLE_TIME);
+    let mut moved = PerAxis::zero();
+    for _ in 0..PUSH_TICKS {
+        plant.advance(volts, PerMotor::zero());
+        let mut body = plant.state();
+        if lies && body.angle.pitch < rest.angle.pitch {
+            body.angle.pitch = rest.angle.pitch;
+            body.rate.pitch = 0.0;
+            plant = RealPlant::assemble(constants, *plant.rotors(), body, SAMPLE_TIME);
+        }
+        moved = body.angle.minus(rest.angle).cast();
+        if farthest(moved) > FAR_ENOUGH {
+            break;
+        }
+    }
+    moved
+}
 
 /// What the check found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -68,20 +123,16 @@ pub enum Fault {
     EncodersSwapped,
 }
 
-/// What the motion of both pushes would be under one explanation: (swap motors, swap encoders, signs of main, tail,
-/// pitch, yaw).
-type Explanation = (bool, bool, [f32; 4]);
-
 /// Every explanation, the right wiring first: a later one must fit better, not as well.
-const EXPLANATIONS: [(Verdict, Explanation); 8] = [
-    (Verdict::Passed, (false, false, [1.0, 1.0, 1.0, 1.0])),
-    (Verdict::Wrong(Fault::MotorsSwapped), (true, false, [1.0, 1.0, 1.0, 1.0])),
-    (Verdict::Wrong(Fault::MainReversed), (false, false, [-1.0, 1.0, 1.0, 1.0])),
-    (Verdict::Wrong(Fault::TailReversed), (false, false, [1.0, -1.0, 1.0, 1.0])),
-    (Verdict::Wrong(Fault::BothReversed), (false, false, [-1.0, -1.0, 1.0, 1.0])),
-    (Verdict::Wrong(Fault::PitchReversed), (false, false, [1.0, 1.0, -1.0, 1.0])),
-    (Verdict::Wrong(Fault::YawReversed), (false, false, [1.0, 1.0, 1.0, -1.0])),
-    (Verdict::Wrong(Fault::EncodersSwapped), (false, true, [1.0, 1.0, 1.0, 1.0])),
+const EXPLANATIONS: [Option<Fault>; 8] = [
+    None,
+    Some(Fault::MotorsSwapped),
+    Some(Fault::MainReversed),
+    Some(Fault::TailReversed),
+    Some(Fault::BothReversed),
+    Some(Fault::PitchReversed),
+    Some(Fault::YawReversed),
+    Some(Fault::EncodersSwapped),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,9 +145,7 @@ enum Phase {
 /// The check at work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstPowerCheck {
-    volts: PerMotor<f32>,
-    /// \[rad/s²\] for each motor's push, on each axis.
-    expected: PerMotor<PerAxis<f32>>,
+    pushes: PerMotor<Push>,
     phase: Phase,
     ticks: u32,
     start: PerAxis<f32>,
@@ -107,11 +156,8 @@ impl FirstPowerCheck {
     /// For these parameters, ready to start.
     #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
-        let volts = parameters.limits.check_volts;
-        let s = &parameters.settings;
         Self {
-            volts,
-            expected: predictions(&s.effectiveness, s.model.inertia, volts),
+            pushes: parameters.limits.check,
             phase: Phase::Settle(Motor::Main),
             ticks: 0,
             start: PerAxis::zero(),
@@ -136,12 +182,11 @@ impl FirstPowerCheck {
             }
             Phase::Push(motor) => {
                 let moved = angle.minus(self.start);
-                let farthest = Real::max(moved.pitch.abs(), moved.yaw.abs());
-                let far = farthest > FAR_ENOUGH;
-                if !far && self.ticks < PUSH_TICKS {
-                    return (only(motor, self.volts), None);
+                let distance = farthest(moved);
+                if distance <= FAR_ENOUGH && self.ticks < PUSH_TICKS {
+                    return (only(motor, self.pushes.map(|push| push.volts)), None);
                 }
-                if farthest <= LEAST_MOTION {
+                if distance <= LEAST_MOTION {
                     self.enter(Phase::Done);
                     return (PerMotor::zero(), Some(Verdict::NoMotion { motor }));
                 }
@@ -173,28 +218,24 @@ impl FirstPowerCheck {
 
     /// The explanation whose directions of motion fit best.
     fn verdict(&self) -> Verdict {
-        let mut best = (Verdict::Passed, f32::NEG_INFINITY);
-        for (verdict, explanation) in EXPLANATIONS {
-            let told = explain(&self.expected, explanation);
+        let mut best = (None, f32::NEG_INFINITY);
+        for fault in EXPLANATIONS {
+            let told = explain(&self.pushes, fault);
             let fit = likeness(told.main, self.seen.main) + likeness(told.tail, self.seen.tail);
             if fit > best.1 + 1e-3 {
-                best = (verdict, fit);
+                best = (fault, fit);
             }
         }
-        best.0
+        best.0.map_or(Verdict::Passed, Verdict::Wrong)
     }
 }
 
-/// \[rad/s²\] Acceleration that each motor's push gives each axis.
-fn predictions(
-    k: &Effectiveness<f32>,
-    inertia: PerAxis<f32>,
-    volts: PerMotor<f32>,
-) -> PerMotor<PerAxis<f32>> {
-    let one = |volts| k.torque(volts).zip(inertia, |torque, inertia| torque / inertia);
-    PerMotor::new(one(only(Motor::Main, volts)), one(only(Motor::Tail, volts)))
+/// \[rad\] The motion of the axis that moved more.
+fn farthest(moved: PerAxis<f32>) -> f32 {
+    Real::max(moved.pitch.abs(), moved.yaw.abs())
 }
 
+/// For `motor` alone.
 fn only(motor: Motor, volts: PerMotor<f32>) -> PerMotor<f32> {
     match motor {
         Motor::Main => PerMotor::new(volts.main, 0.0),
@@ -202,17 +243,20 @@ fn only(motor: Motor, volts: PerMotor<f32>) -> PerMotor<f32> {
     }
 }
 
-/// What the encoders would show of `expected` if things were connected so.
-fn explain(
-    expected: &PerMotor<PerAxis<f32>>,
-    (motors, encoders, [main, tail, pitch, yaw]): Explanation,
-) -> PerMotor<PerAxis<f32>> {
-    let pushed = if motors { PerMotor::new(expected.tail, expected.main) } else { *expected };
-    let signed = PerMotor::new(pushed.main.scaled(main), pushed.tail.scaled(tail));
-    signed.map(|moved| {
-        let shown = PerAxis::new(moved.pitch * pitch, moved.yaw * yaw);
-        if encoders { PerAxis::new(shown.yaw, shown.pitch) } else { shown }
-    })
+/// What the encoders would show of both pushes.
+fn explain(pushes: &PerMotor<Push>, fault: Option<Fault>) -> PerMotor<PerAxis<f32>> {
+    let right = pushes.map(|push| push.motion);
+    let reversed = pushes.map(|push| push.reversed);
+    match fault {
+        None => right,
+        Some(Fault::MotorsSwapped) => pushes.map(|push| push.swapped),
+        Some(Fault::MainReversed) => PerMotor { main: reversed.main, ..right },
+        Some(Fault::TailReversed) => PerMotor { tail: reversed.tail, ..right },
+        Some(Fault::BothReversed) => reversed,
+        Some(Fault::PitchReversed) => right.map(|shown| PerAxis { pitch: -shown.pitch, ..shown }),
+        Some(Fault::YawReversed) => right.map(|shown| PerAxis { yaw: -shown.yaw, ..shown }),
+        Some(Fault::EncodersSwapped) => right.map(|shown| PerAxis::new(shown.yaw, shown.pitch)),
+    }
 }
 
 /// Cosine of the angle between two motions, -1 to 1.

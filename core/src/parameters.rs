@@ -7,6 +7,7 @@ pub mod ram_flash;
 pub mod store;
 
 use crate::axes::{PerAxis, PerMotor};
+use crate::first_power::Push;
 use crate::pipeline::Settings;
 use crate::plant::presets::Rig;
 use crate::real::Real;
@@ -14,7 +15,7 @@ use crate::validate::Invalid;
 use serde::{Deserialize, Serialize};
 
 /// Version of the record. Another one on flash is not read: the numbers would mean something else.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// \[s\] From tick to tick on a board.
 pub const SAMPLE_TIME: f64 = 1e-3;
@@ -56,8 +57,8 @@ pub struct Limits {
     pub command_timeout: u32,
     /// \[rad/s\] How fast the reference moves from where the rig lies to the setpoint after arming; above 0.
     pub approach_rate: f32,
-    /// \[V\] What the first-power check gives one motor at a time; above 0.
-    pub check_volts: PerMotor<f32>,
+    /// What the first-power check gives one motor at a time, and what comes of it.
+    pub check: PerMotor<Push>,
 }
 
 /// A parameter that cannot be used.
@@ -106,7 +107,7 @@ impl Parameters {
                 supply_high: f32::from_f64(1.25 * highest),
                 command_timeout: 500,
                 approach_rate: 0.5,
-                check_volts: rig.volts_limit.map(|limit| f32::from_f64(0.5 * limit)),
+                check: Push::predicted(rig, rig.volts_limit.map(|limit| 0.5 * limit)),
             },
             checked: false,
         }
@@ -179,9 +180,16 @@ impl Limits {
         require(supply, "limits.supply_high", "above limits.supply_low")?;
         require((1..=60_000).contains(&self.command_timeout), "limits.command_timeout", "1 to 60000 ticks")?;
         positive("limits.approach_rate", self.approach_rate)?;
-        let check = self.check_volts.zip(volts_limit, |volts, limit| volts > 0.0 && volts <= limit);
-        require(check.main, "limits.check_volts.main", "above 0, at most volts_limit.main")?;
-        require(check.tail, "limits.check_volts.tail", "above 0, at most volts_limit.tail")
+        let volts = |push: Push, limit| push.volts > 0.0 && push.volts <= limit;
+        let allowed = self.check.zip(volts_limit, volts);
+        require(allowed.main, "limits.check.main.volts", "above 0, at most volts_limit.main")?;
+        require(allowed.tail, "limits.check.tail.volts", "above 0, at most volts_limit.tail")?;
+        let turns = |push: Push| {
+            let squares = push.motion.pitch * push.motion.pitch + push.motion.yaw * push.motion.yaw;
+            squares.is_finite() && squares > 0.0
+        };
+        require(turns(self.check.main), "limits.check.main.motion", "a motion about one axis or both")?;
+        require(turns(self.check.tail), "limits.check.tail.motion", "a motion about one axis or both")
     }
 }
 

@@ -9,7 +9,7 @@ use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::angle_per_count;
 use twinrotor::estimator::Estimate;
-use twinrotor::first_power::STILL_TICKS;
+use twinrotor::first_power::{Push, STILL_TICKS};
 use twinrotor::monitor::SUPPLY_TICKS;
 use twinrotor::parameters::{EncoderScale, Limits, Parameters};
 use twinrotor::pipeline::{Command, Pipeline, Settings};
@@ -215,7 +215,7 @@ impl BoardLoop {
                 supply_high: 2.0 * supply,
                 command_timeout: 60_000,
                 approach_rate: 1e9,
-                check_volts: settings.volts_limit,
+                check: PerMotor::both(Push::default()),
             },
             checked: true,
         };

@@ -189,7 +189,7 @@ fn gain(p: &mut Parameters) -> &mut Gains<f32> {
 #[test]
 fn a_value_out_of_range_is_named() {
     type Spoil = fn(&mut Parameters);
-    let cases: [(&str, Spoil); 12] = [
+    let cases: [(&str, Spoil); 13] = [
         ("settings", |p| gain(p).pitch.rate = f32::NAN),
         ("settings", |p| p.settings.model.damping.yaw = f32::INFINITY),
         ("sample_time", |p| p.settings.sample_time = 2e-3),
@@ -201,7 +201,8 @@ fn a_value_out_of_range_is_named() {
         ("limits.pitch", |p| p.limits.pitch = 1.6),
         ("limits.supply_high", |p| p.limits.supply_high = p.limits.supply_low),
         ("limits.command_timeout", |p| p.limits.command_timeout = 0),
-        ("limits.check_volts.main", |p| p.limits.check_volts.main = 25.0),
+        ("limits.check.main.volts", |p| p.limits.check.main.volts = 25.0),
+        ("limits.check.tail.motion", |p| p.limits.check.tail.motion = PerAxis::zero()),
     ];
     for (name, spoil) in cases {
         let mut spoilt = parameters(&presets::AERO);

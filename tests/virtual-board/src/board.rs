@@ -14,7 +14,7 @@ use crate::chip::timer::{Drive, Side, Timer};
 use crate::chip::{INTERRUPT_LINES, Stm32f405};
 use crate::serial::Line;
 use crate::warm_core::WarmCore;
-use crate::wiring::{self, Encoder, Wire};
+use crate::wiring::{self, Amplifiers, Encoder, Leg, Wire};
 
 /// The core's clock, and the rate at which it retires instructions: one a cycle, which is what a
 /// "virtual" second is made of.
@@ -47,6 +47,8 @@ pub struct Outputs {
     /// \[counts\] the PWM timer's compare values as latched, and its reload value.
     pub compare: [u64; 4],
     pub reload: u64,
+    /// What the timer's outputs are connected to.
+    pub amplifiers: Amplifiers,
     /// What the legs of the main and the tail motor's bridge do.
     pub legs: [[Drive; 2]; 2],
     /// The amplifiers are switched on.
@@ -68,12 +70,20 @@ impl Outputs {
     /// What the compare values ask of each motor, in steps from zero: the duty, but for the dead time that takes a pulse
     /// off the bridge near either end. Zero where the duty is, with the amplifiers or the PWM off.
     pub fn steps(&self) -> [i64; 2] {
-        let middle = i64::try_from(self.reload / 2).expect("16 bits");
         [0, 1].map(|motor| {
             let driven = self.enabled && !self.legs[motor].contains(&Drive::Released);
-            let compare = i64::try_from(self.compare[motor]).expect("16 bits");
-            if driven { compare - middle } else { 0 }
+            if driven { self.asked(motor) } else { 0 }
         })
+    }
+
+    /// What the compare values ask of a motor, in steps from zero, whether or not anything comes of it.
+    pub fn asked(&self, motor: usize) -> i64 {
+        let counts = |value: u64| i64::try_from(value).expect("16 bits");
+        let [forward, back] = self.amplifiers.bridges()[motor].map(|leg| match leg.side {
+            Side::Main => counts(self.compare[leg.channel]),
+            Side::Complement => counts(self.reload) - counts(self.compare[leg.channel]),
+        });
+        (forward - back) / 2
     }
 
     /// Whether a motor could turn.
@@ -89,6 +99,7 @@ pub struct Board {
     inputs: Inputs,
     /// The counts already turned into the timers.
     turned: [i64; 2],
+    amplifiers: Amplifiers,
     protects_memory: bool,
 }
 
@@ -101,11 +112,15 @@ impl Board {
     /// # Errors
     ///
     /// If the part's description contradicts itself.
-    pub fn new(seed: u64, protects_memory: bool) -> Result<Self, rigless::soc::Error> {
+    pub fn new(
+        seed: u64,
+        amplifiers: Amplifiers,
+        protects_memory: bool,
+    ) -> Result<Self, rigless::soc::Error> {
         let mut chip = Stm32f405::new(seed)?;
         let (port, _) = wiring::SERIAL;
         chip.serial(port).attach(Line::default());
-        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2], protects_memory })
+        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2], amplifiers, protects_memory })
     }
 
     /// The microcontroller.
@@ -175,9 +190,8 @@ impl Board {
 
     /// What the board puts on its connectors at `at`.
     pub fn outputs(&mut self, at: VirtualNanos) -> Outputs {
-        let legs = wiring::BRIDGES.map(|(channel, pins)| {
-            let sides = [(Side::Main, pins[0]), (Side::Complement, pins[1])];
-            sides.map(|(side, pin)| {
+        let legs = self.amplifiers.bridges().map(|bridge| {
+            bridge.map(|Leg { channel, side, pin }| {
                 if self.connected(pin) {
                     self.chip.timer_output(at, wiring::PWM_TIMER, channel, side)
                 } else {
@@ -190,6 +204,7 @@ impl Board {
             at,
             compare: active.compare,
             reload: active.reload,
+            amplifiers: self.amplifiers,
             legs,
             enabled: self.driven_high(wiring::AMPLIFIER_ENABLE),
             lit: self.driven_high(wiring::STATUS_LED),

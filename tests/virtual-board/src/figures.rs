@@ -2,6 +2,9 @@
 //! that it is seen when they grow.
 
 use std::fmt;
+use std::ops::Range;
+
+use twinrotor::supervisor::Request;
 
 use crate::board::CORE_HZ;
 use crate::firmware::Firmware;
@@ -28,24 +31,33 @@ pub struct InFlight {
 }
 
 impl InFlight {
-    /// Measures the firmware that flies at `station`, by two seconds of it.
+    /// Measures the firmware that flies at `station`, by two seconds of it; then disarms and arms it until its longest
+    /// tick must have come, which is one that arms.
     ///
     /// # Panics
     ///
     /// If the firmware reaches something that is not modelled.
     pub fn measure(station: &mut Station) -> Self {
         const MILLISECONDS: u64 = 2_000;
+        const TICKS: usize = MILLISECONDS as usize;
         let before = station.machine.with(|board| board.ticks().len());
         let (_, executed) = station.machine.now();
         station.run(MILLISECONDS);
         let (_, all) = station.machine.now();
+        // Some work is done every fourth tick, some every fifth: all of it comes together once in 20 times 21 ticks.
+        for _ in 0..20 {
+            station.request(Request::Disarm);
+            station.run(10);
+            station.request(Request::Arm);
+            station.run(11);
+        }
         let (_, ticks) = station.machine.trace();
-        let instructions = |from: usize| {
-            let mut counts: Vec<u64> = ticks[from..].iter().map(|tick| tick.instructions).collect();
+        let instructions = |range: Range<usize>| {
+            let mut counts: Vec<u64> = ticks[range].iter().map(|tick| tick.instructions).collect();
             counts.sort_unstable();
             counts
         };
-        let (since_boot, flown) = (instructions(0), instructions(before));
+        let (since_boot, flown) = (instructions(0..ticks.len()), instructions(before..before + TICKS));
         let (used, size) = station.machine.with(|board| {
             let (low, high) = (board.symbol("_stack_end"), board.symbol("_stack_start"));
             (board.stack_used(low, high), high - low)
@@ -101,7 +113,7 @@ impl Figures {
             ("tick_instructions_median", papers.tick_median, 1_000),
             ("tick_instructions_max", papers.tick_max, 1_500),
             ("rig_tick_instructions_median", rigs.tick_median, 1_200),
-            ("rig_tick_instructions_max", rigs.tick_max, 1_600),
+            ("rig_tick_instructions_max", rigs.tick_max, 1_800),
             ("stack_bytes_used", papers.stack_bytes_used.max(rigs.stack_bytes_used), rigs.stack_bytes / 2),
         ];
         if let Some((name, value, most)) = budget.into_iter().find(|(_, value, most)| value > most) {

@@ -48,6 +48,12 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
+/// Where a build under this folder of `target` puts the ELF.
+fn built(folder: &str) -> PathBuf {
+    let target = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target");
+    PathBuf::from(format!("{target}/{folder}thumbv7em-none-eabihf/firmware/firmware"))
+}
+
 /// Where RAM begins.
 const RAM: u64 = 0x2000_0000;
 
@@ -68,10 +74,18 @@ impl Firmware {
     ///
     /// As [`Firmware::read`].
     pub fn released() -> Result<Self, Error> {
-        let built =
-            concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/thumbv7em-none-eabihf/firmware/firmware");
-        let path = std::env::var_os("TWINROTOR_ELF").map_or_else(|| PathBuf::from(built), PathBuf::from);
-        Self::read(&path)
+        let named = std::env::var_os("TWINROTOR_ELF").map(PathBuf::from);
+        Self::read(&named.unwrap_or_else(|| built("")))
+    }
+
+    /// The released image with the feature `sign-magnitude`: where
+    /// `cargo fw --features sign-magnitude --target-dir target/sign-magnitude` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn sign_magnitude() -> Result<Self, Error> {
+        Self::read(&built("sign-magnitude/"))
     }
 
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {

@@ -23,6 +23,8 @@ use crate::station::Station;
 
 /// \[ms\] From one setpoint of a scenario that moves to the next.
 const SETPOINT_EVERY: usize = 10;
+/// \[ms\] Until telemetry comes at the rate that was asked for: one frame at the rate before.
+const TO_FULL_RATE: u64 = 20;
 /// \[ms\] Longest that anything on the ground may take; the first-power check is the longest.
 const PATIENCE: u64 = 400_000;
 /// \[ms\] To rise from where the rig rests and to hold still before the scenario begins.
@@ -53,8 +55,6 @@ pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<
     reach(station, State::Ready, told)?;
     station.aim(PerAxis::both(0.0));
     station.machine.rig(|rig: &mut Helicopter| rig.stand(false));
-    // Of the flight every tick is wanted; the check may take two minutes.
-    station.send(&ToBoard::Telemetry { every: 1 });
     station.request(Request::Arm);
     reach(station, State::Armed, told)?;
     wait(station, RISE, told)
@@ -95,7 +95,11 @@ pub fn fly(
 ) -> Result<Flight, Failure> {
     let references = scenario.references::<f32>();
     let disturbances = scenario.disturbances::<f32>(seed);
+    // Of the flight every tick is wanted; what came before may have taken minutes.
+    station.send(&ToBoard::Telemetry { every: 1 });
+    wait(station, TO_FULL_RATE, told)?;
     let first = station.heard.frames.len();
+    let mut blown = PerMotor::zero();
     let mut sent = Reference::at_rest(PerAxis::both(0.0));
     for (references, disturbances) in
         references.chunks(SETPOINT_EVERY).zip(disturbances.chunks(SETPOINT_EVERY))
@@ -105,7 +109,10 @@ pub fn fly(
             station.send(&ToBoard::Control(Wish::Setpoint(reference)));
             sent = reference;
         }
-        station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturbance = disturbance);
+        if disturbance != blown {
+            station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturbance = disturbance);
+            blown = disturbance;
+        }
         wait(station, references.len() as u64, told)?;
         if station.heard.state() != Some(State::Armed) {
             return Err(Failure(format!("the board left the air: {}", station.heard.summary())));

@@ -25,6 +25,7 @@ use rigless::time::VirtualNanos;
 use crate::board::{Board, Inputs, Outputs};
 use crate::chip::flash;
 use crate::firmware::Firmware;
+use crate::wiring::Amplifiers;
 use lockstep::{Command, Lockstep, Until};
 pub use lockstep::{Live, TickRecord};
 
@@ -69,6 +70,8 @@ pub struct Setup {
     pub firmware: Firmware,
     /// Bytes put into the flash beside it, by address: a gains image.
     pub images: Vec<(u64, Vec<u8>)>,
+    /// How the amplifiers are connected.
+    pub amplifiers: Amplifiers,
     /// The name of the function that is the control tick's interrupt.
     pub tick: &'static str,
     /// Decides what chance decides: the RAM at power-on, the bits of a cut-off flash operation.
@@ -86,6 +89,7 @@ impl Setup {
         Self {
             firmware,
             images: Vec::new(),
+            amplifiers: Amplifiers::default(),
             tick: TICK,
             seed: 1,
             refusals_allowed: false,
@@ -259,7 +263,8 @@ fn emulate(
     replies: SyncSender<Result<bool, Failure>>,
 ) -> Result<(), Failure> {
     let fail = |why: &dyn fmt::Display| Failure(why.to_string());
-    let mut board = Board::new(setup.seed, setup.protects_memory).map_err(|why| fail(&why))?;
+    let mut board =
+        Board::new(setup.seed, setup.amplifiers, setup.protects_memory).map_err(|why| fail(&why))?;
     let mut images = vec![setup.firmware.image().clone()];
     for (address, bytes) in &setup.images {
         let name = format!("image at {address:#x}");

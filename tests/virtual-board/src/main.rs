@@ -25,6 +25,7 @@ use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Machine, Setup};
 use virtual_board::record;
 use virtual_board::station::Station;
+use virtual_board::wiring::Amplifiers;
 
 /// The released firmware on an emulated STM32F405 that is wired to a simulated helicopter.
 #[derive(Debug, Parser)]
@@ -32,6 +33,9 @@ struct Args {
     /// The firmware's ELF; by default where `cargo fw` puts it, or where TWINROTOR_ELF says
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
+    /// The amplifiers are connected for a firmware with the feature `sign-magnitude`
+    #[arg(long)]
+    sign_magnitude: bool,
     /// What is in the board's flash: 'paper' (Table 4), a gains file, or an image that `host-sim flash --image` made
     #[arg(long, default_value = "paper", value_name = "paper|FILE.toml|FILE.bin")]
     gains: String,
@@ -73,8 +77,9 @@ struct Document<'a> {
     idle_percent: f64,
     stack_used: u32,
     stack_size: u32,
-    /// How many times as fast as a clock.
+    /// How many times as fast as a clock: the flight, and all since power-on, which first translates the firmware.
     speed: f64,
+    speed_since_power_on: f64,
     #[serde(flatten)]
     report: Report,
 }
@@ -95,10 +100,16 @@ fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.plot {
         plot::check("--plot", path)?;
     }
-    let firmware = args.elf.as_ref().map_or_else(Firmware::released, |path| Firmware::read(path));
+    let (amplifiers, built) = if args.sign_magnitude {
+        (Amplifiers::SignMagnitude, Firmware::sign_magnitude as fn() -> _)
+    } else {
+        (Amplifiers::LockedAntiphase, Firmware::released as fn() -> _)
+    };
+    let firmware = args.elf.as_ref().map_or_else(built, |path| Firmware::read(path));
     let firmware = firmware.map_err(Failure::input)?;
     let image = image(args, &named.rig)?;
-    let setup = Setup::new(firmware).with_seed(args.seed).with_image(record::ADDRESS, image);
+    let setup = Setup { amplifiers, ..Setup::new(firmware) };
+    let setup = setup.with_seed(args.seed).with_image(record::ADDRESS, image);
     let supply = named.rig.volts_limit.main.max(named.rig.volts_limit.tail);
     let began = Instant::now();
     let mut station = Station::new(Machine::start(setup, Helicopter::new(&named.rig, supply)));
@@ -111,18 +122,17 @@ fn run(args: &Args) -> Outcome<()> {
     let failed = |why: virtual_board::machine::Failure| Failure::Run(why.to_string());
     flight::take_off(&mut station, &mut told).map_err(failed)?;
     let (before, executed) = station.machine.now();
+    let off = Instant::now();
     let flown = flight::fly(&mut station, &named.rig, &scenario, args.seed, &mut told).map_err(failed)?;
     let (now, all) = station.machine.now();
     let seconds = |nanoseconds: u64| std::time::Duration::from_nanos(nanoseconds).as_secs_f64();
     #[expect(clippy::cast_precision_loss, reason = "a share")]
     let busy = (all - executed) as f64 / (virtual_board::board::CORE_HZ as f64 * seconds(now.0 - before.0));
-    let document = document(
-        args,
-        &mut station,
-        &flown,
-        100.0 * (1.0 - busy),
+    let speeds = [
+        seconds(now.0 - before.0) / off.elapsed().as_secs_f64(),
         seconds(now.0) / began.elapsed().as_secs_f64(),
-    )?;
+    ];
+    let document = document(args, &mut station, &flown, 100.0 * (1.0 - busy), speeds)?;
     if let Some(path) = &args.plot {
         let title =
             format!("{}, scenario {}, {} gains, on the virtual board", named.name, scenario.name, args.gains);
@@ -135,7 +145,7 @@ fn run(args: &Args) -> Outcome<()> {
         println!(
             "firmware {} on {}: {} frames of telemetry, {} dropped; {} of {} bytes of stack used\n\
              a tick takes {} instructions by the median, {} at most; the core sleeps {:.1} % of the time\n\
-             {:.0} times as fast as a clock",
+             {:.0} times as fast as a clock in flight, {:.0} times since power-on",
             document.firmware,
             document.chip,
             document.frames,
@@ -145,7 +155,8 @@ fn run(args: &Args) -> Outcome<()> {
             document.tick_median,
             document.tick_max,
             document.idle_percent,
-            document.speed
+            document.speed,
+            document.speed_since_power_on
         );
     }
     Ok(())
@@ -156,7 +167,7 @@ fn document<'a>(
     station: &mut Station,
     flown: &Flight,
     idle_percent: f64,
-    speed: f64,
+    [speed, speed_since_power_on]: [f64; 2],
 ) -> Outcome<Document<'a>> {
     let mut ticks: Vec<u64> = station.machine.trace().1.iter().map(|tick| tick.instructions).collect();
     ticks.sort_unstable();
@@ -179,6 +190,7 @@ fn document<'a>(
         stack_used: health.stack_used,
         stack_size: health.stack_size,
         speed,
+        speed_since_power_on,
         report: flown.report,
     })
 }

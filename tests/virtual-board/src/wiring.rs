@@ -1,5 +1,7 @@
 //! What is soldered to which pin: the same table as the firmware's board file, seen from outside.
 
+use crate::chip::timer::Side;
+
 /// A pin and the alternate function that connects it to what it is wired for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wire {
@@ -37,10 +39,45 @@ pub const YAW_ENCODER: Encoder = Encoder { timer: 2, pins: [alternate(C, 6, 2), 
 
 /// The timer that drives the amplifiers: TIM1.
 pub const PWM_TIMER: usize = 0;
-/// The legs of the main and the tail motor's bridge: channel (0 is 1), and the pins of its output and of
-/// the complementary one. The motor is between the two.
-pub const BRIDGES: [(usize, [Wire; 2]); 2] =
-    [(0, [alternate(A, 8, 1), alternate(B, 13, 1)]), (1, [alternate(A, 9, 1), alternate(B, 14, 1)])];
+/// What drives one input of a motor's bridge: a channel of that timer (0 is 1), its output or the complementary one, and
+/// the pin.
+#[derive(Debug, Clone, Copy)]
+pub struct Leg {
+    pub channel: usize,
+    pub side: Side,
+    pub pin: Wire,
+}
+
+const fn leg(channel: usize, side: Side, pin: Wire) -> Leg {
+    Leg { channel, side, pin }
+}
+
+/// How the amplifiers are connected: the firmware is built for one of the two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Amplifiers {
+    /// Each bridge gets a PWM and its complement.
+    #[default]
+    LockedAntiphase,
+    /// Each bridge gets a PWM on one of its inputs, one for each direction.
+    SignMagnitude,
+}
+
+impl Amplifiers {
+    /// The forward and the backward leg of the main and the tail motor's bridge. The motor is between the two.
+    pub const fn bridges(self) -> [[Leg; 2]; 2] {
+        use Side::{Complement, Main};
+        match self {
+            Self::LockedAntiphase => [
+                [leg(0, Main, alternate(A, 8, 1)), leg(0, Complement, alternate(B, 13, 1))],
+                [leg(1, Main, alternate(A, 9, 1)), leg(1, Complement, alternate(B, 14, 1))],
+            ],
+            Self::SignMagnitude => [
+                [leg(0, Main, alternate(A, 8, 1)), leg(2, Main, alternate(A, 10, 1))],
+                [leg(1, Main, alternate(A, 9, 1)), leg(3, Main, alternate(A, 11, 1))],
+            ],
+        }
+    }
+}
 
 /// High switches the amplifiers on.
 pub const AMPLIFIER_ENABLE: Wire = plain(C, 8);

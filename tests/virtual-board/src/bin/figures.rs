@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::process::ExitCode;
 
 use twinrotor::axes::PerAxis;
+use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use virtual_board::figures::{Figures, InFlight};
@@ -68,6 +69,7 @@ fn flying(firmware: &Firmware, rig: &Rig, parameters: Parameters) -> Result<Stat
     let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
     let mut station = Station::new(Machine::start(setup, Helicopter::new(rig, supply)));
     flight::take_off(&mut station, &mut |_| {}).map_err(|why| why.to_string())?;
+    station.send(&ToBoard::Telemetry { every: 1 });
     station.aim(PerAxis::new(0.1, 0.2));
     station.run(500);
     Ok(station)

@@ -1,19 +1,24 @@
 //! What flies is what the host computes: the board's compare values and telemetry against the core's own control loop on
-//! the host, with the same plant, tick for tick and bit for bit.
+//! the host, with the same plant, tick for tick and bit for bit; both ways of driving amplifiers.
 
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::{ControlLoop, Inputs, Outputs, Wish};
-use twinrotor::drive::Drive;
+use twinrotor::drive::Drive as Amplifier;
+use twinrotor::first_power::Verdict;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{Condition, Conditions, Request, State};
 use twinrotor::telemetry::Frame;
+use virtual_board::chip::timer::Drive;
+use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
-use virtual_board::record;
+use virtual_board::machine::Setup;
+use virtual_board::record::{self, ADDRESS, image};
+use virtual_board::wiring::Amplifiers;
 
-use super::{board_with, make_ready, papers};
+use super::{firmware, make_ready, papers, rest, start};
 
 /// Ticks in the air.
 const TICKS: usize = 10_000;
@@ -24,9 +29,8 @@ struct Host {
     control: ControlLoop,
     /// The loop and the counters before the last tick.
     before_last: Option<(ControlLoop, PerAxis<u32>)>,
-    drive: Drive<f32>,
+    drive: Amplifier<f32>,
     supply: f32,
-    full_steps: i64,
     before: Option<Outputs>,
 }
 
@@ -34,18 +38,10 @@ impl Host {
     fn new(rig: &Rig, parameters: &Parameters) -> Self {
         let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
         let helicopter = Helicopter::new(rig, supply);
-        let drive = Drive::new(rig.pwm_steps);
+        let drive = Amplifier::new(rig.pwm_steps);
         let control = ControlLoop::new(parameters, helicopter.counters(), drive, None);
         let supply = helicopter.measured_supply();
-        Self {
-            helicopter,
-            control,
-            before_last: None,
-            drive,
-            supply,
-            full_steps: i64::from(rig.pwm_steps),
-            before: None,
-        }
+        Self { helicopter, control, before_last: None, drive, supply, before: None }
     }
 
     fn compute(&self, wish: Option<Wish>) -> (ControlLoop, Outputs) {
@@ -78,7 +74,7 @@ impl Host {
         (control, outputs)
     }
 
-    /// Takes a tick that was computed. Answers the compare values that are latched at it.
+    /// Takes a tick that was computed. Answers the steps that are latched at it.
     fn take(&mut self, (control, outputs): (ControlLoop, Outputs)) -> [i64; 2] {
         self.before_last = Some((self.control, self.helicopter.counters()));
         self.control = control;
@@ -86,13 +82,21 @@ impl Host {
         let volts = if outputs.enable { self.drive.volts(duty, self.supply) } else { PerMotor::zero() };
         self.helicopter.advance(volts, outputs.enable);
         self.before = Some(outputs);
-        [duty.main.steps(), duty.tail.steps()].map(|steps| self.full_steps + i64::from(steps))
+        [duty.main.steps(), duty.tail.steps()].map(i64::from)
     }
 }
 
-/// Flies on the board, setpoint after setpoint; answers every frame and the latched compare values after each tick.
-fn fly(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) -> (Vec<Frame>, Vec<[i64; 2]>) {
-    let mut station = board_with(rig, parameters);
+/// Flies on the board, setpoint after setpoint; answers every frame, and what the latched compare values ask for after each
+/// tick.
+fn fly(
+    setup: Setup,
+    rig: &Rig,
+    parameters: &Parameters,
+    setpoints: &[PerAxis<f32>],
+) -> (Vec<Frame>, Vec<[i64; 2]>) {
+    let mut station = start(setup.with_image(ADDRESS, image(&[*parameters])), rig);
+    // What is said before the board listens is lost.
+    station.run(10);
     station.send(&ToBoard::Telemetry { every: 1 });
     make_ready(&mut station);
     station.aim(setpoints[0]);
@@ -106,13 +110,13 @@ fn fly(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) -> (Vec<F
     let (trace, ticks) = station.machine.trace();
     // The outputs that were looked at next after each tick.
     let mut after = trace.iter().peekable();
-    let compares = ticks.iter().filter_map(|tick| {
+    let asked = ticks.iter().filter_map(|tick| {
         while after.next_if(|outputs| outputs.at < tick.at).is_some() {}
         let outputs = after.peek()?;
-        Some([0, 1].map(|motor| i64::try_from(outputs.compare[motor]).expect("16 bits")))
+        Some([0, 1].map(|motor| outputs.asked(motor)))
     });
     assert_eq!(station.heard.damaged, 0);
-    (station.heard.frames.clone(), compares.collect())
+    (station.heard.frames.clone(), asked.collect())
 }
 
 fn bits(frame: &Frame) -> Vec<u32> {
@@ -124,7 +128,11 @@ fn bits(frame: &Frame) -> Vec<u32> {
 }
 
 fn assert_equal(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) {
-    let (frames, compares) = fly(rig, parameters, setpoints);
+    assert_equal_on(Setup::new(firmware()), rig, parameters, setpoints);
+}
+
+fn assert_equal_on(setup: Setup, rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) {
+    let (frames, asked) = fly(setup, rig, parameters, setpoints);
     let zeroed = frames.iter().position(|frame| !frame.conditions.contains(Condition::NotZeroed));
     let zeroed = frames[zeroed.expect("it was zeroed")].tick;
     let armed = frames.iter().find(|frame| frame.state == State::Armed).expect("it was armed").tick;
@@ -132,7 +140,7 @@ fn assert_equal(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) 
     let mut waiting = setpoints.iter();
     let mut compared = 0;
     let mut frames = frames.iter().peekable();
-    for (tick, &compare) in (0_u32..).zip(&compares) {
+    for (tick, &steps) in (0_u32..).zip(&asked) {
         let wish = match tick {
             tick if tick + 1 == zeroed => Some(Wish::Zero),
             tick if tick == armed => Some(Wish::Request(Request::Arm)),
@@ -166,12 +174,12 @@ fn assert_equal(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) 
             assert_eq!(frame.state, computed.0.frame().state, "tick {tick}");
         }
         let expected = host.take(computed);
-        assert_eq!(compare, expected, "compare values latched at tick {tick}");
+        assert_eq!(steps, expected, "compare values latched at tick {tick}");
         compared += usize::from(tick > armed && frame.is_some());
     }
     assert!(compared >= TICKS, "only {compared} ticks in the air were compared");
     assert!(waiting.next().is_none(), "every setpoint came to bear");
-    let moved = compares.iter().filter(|&&compare| compare != [2100, 2100]).count();
+    let moved = asked.iter().filter(|&&steps| steps != [0, 0]).count();
     assert!(moved > TICKS / 2, "the motors turned");
 }
 
@@ -197,6 +205,47 @@ fn an_aero_2_flies_on_the_board_as_on_the_host() {
 #[test]
 fn an_aero_with_real_friction_flies_on_the_board_as_on_the_host() {
     assert_equal(&presets::AERO_LAB, &papers(&presets::AERO_LAB), &[BACK, STEP]);
+}
+
+/// The firmware with the feature `sign-magnitude`, its amplifiers connected for it: only the pins differ.
+fn sign_magnitude() -> Setup {
+    let firmware = Firmware::sign_magnitude().unwrap_or_else(|why| panic!("{why}"));
+    Setup { amplifiers: Amplifiers::SignMagnitude, ..Setup::new(firmware) }
+}
+
+#[test]
+fn sign_magnitude_flies_on_the_board_as_on_the_host() {
+    assert_equal_on(sign_magnitude(), &presets::PAPER, &papers(&presets::PAPER), &[STEP, BACK]);
+    let (rig, parameters) = record::tuned(record::BUILT_IN);
+    assert_equal_on(sign_magnitude(), &rig, &parameters, &[STEP, BACK]);
+}
+
+#[test]
+fn sign_magnitude_never_drives_both_inputs_of_a_bridge_and_obeys_the_emergency_stop() {
+    let (rig, parameters) = record::tuned(record::BUILT_IN);
+    let unchecked = Parameters { checked: false, ..parameters };
+    let mut station = start(sign_magnitude().with_image(ADDRESS, image(&[unchecked])), &rig);
+    rest(&mut station);
+    station.send(&ToBoard::Control(Wish::Zero));
+    station.run(50);
+    station.request(Request::Check);
+    assert!(station.run_until(400_000, |heard| !heard.verdicts.is_empty()));
+    assert_eq!(station.heard.verdicts, [Verdict::Passed]);
+    station.await_state(1_000, State::Ready);
+    station.aim(STEP);
+    station.request(Request::Arm);
+    station.run(1_000);
+    assert!(station.machine.outputs().live());
+    let (trace, _) = station.machine.trace();
+    let high = |leg: Drive| leg.share_high().is_some_and(|share| share > 0.0);
+    assert!(trace.iter().flat_map(|outputs| outputs.legs).all(|bridge| !bridge.into_iter().all(high)));
+    let turned =
+        |sign: f64| trace.iter().any(|outputs| outputs.duty().into_iter().any(|duty| duty * sign > 0.0));
+    assert!(turned(1.0) && turned(-1.0), "both directions were driven");
+    station.machine.rig(|rig: &mut Helicopter| rig.press(true, false));
+    station.run(2);
+    assert!(!station.machine.outputs().live());
+    station.await_state(20, State::Fault(Condition::EmergencyStop));
 }
 
 /// The controllers tuned for each preset: every law, estimator and allocation that a board boots with.
