@@ -158,7 +158,7 @@ impl ControlLoop {
         let mut belief = self.pipeline.believe(measured, self.latched);
         self.find_conditions(inputs, &belief.estimate, moved);
         if self.supervise(inputs.wish, measured) {
-            belief = self.pipeline.believe(measured, self.latched);
+            belief = self.pipeline.believe_once(measured, self.latched);
         }
         let reference = self.follow(inputs.wish);
         self.decide(belief, reference, measured);

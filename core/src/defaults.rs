@@ -125,26 +125,26 @@ pub const AERO2: ControllerSettings<f64> = ControllerSettings {
 pub const AERO_LAB: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 10.493914527412343,
-            rate: 16.894347428188528,
-            weight: 2.4009798961392743,
-            integral: 19.896426923202025,
+            position: 14.186240000449674,
+            rate: 20.91910953080603,
+            weight: 0.9715373865262097,
+            integral: 4.450100338922458,
         },
         IntegralGains {
-            position: 0.42032488690281045,
-            rate: 9.647105679600578,
-            weight: 0.20524449930116512,
-            integral: 18.81924098877145,
+            position: 1.3132671370711584,
+            rate: 7.7000660167844535,
+            weight: 0.5062622064341556,
+            integral: 19.695293457125857,
         },
     )),
     estimator: EstimatorSettings::Luenberger {
-        bandwidth: PerAxis::new(19.53480378684673, 22.636393262352243),
+        bandwidth: PerAxis::new(18.539630285472523, 30.12014711181773),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(7.906722992353425, 4.013902619229888),
+        bandwidth: PerAxis::new(8.748980311856094, 4.144887791615684),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 0.13858441240487426 },
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.2687667898749677 },
     lead: None,
     cancellation: None,
 };

@@ -77,6 +77,7 @@ pub mod telemetry;
 
 pub mod control_loop;
 pub mod pipeline;
+pub mod replay;
 
 pub mod defaults;
 pub mod link;

@@ -7,6 +7,7 @@
 use crate::control_loop::Wish;
 use crate::first_power::Verdict;
 use crate::parameters::{ParameterError, Parameters};
+use crate::replay::{Replayed, Sample};
 use crate::supervisor::Condition;
 use crate::telemetry::Frame;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
@@ -15,7 +16,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages, the first byte of each.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 /// \[byte\] The longest message, unframed.
 pub const MAX_MESSAGE: usize = 1024;
 /// \[byte\] The longest frame: COBS adds a byte in 254 and one more, then the zero.
@@ -47,6 +48,8 @@ pub enum ToBoard {
     /// To be kept in flash and used from now on; only while disarmed. Answered by [`ToHost::Saved`] or
     /// [`ToHost::Refused`].
     WriteParameters(Parameters),
+    /// A tick of a record through the controller in force. Answered by [`ToHost::Replayed`].
+    Replay(Sample),
 }
 
 /// From the board.
@@ -68,6 +71,8 @@ pub enum ToHost {
     Saved,
     /// What the first-power check found.
     Verdict(Verdict),
+    /// What a tick of a record came to.
+    Replayed(Replayed),
     /// The board will not do as asked.
     Refused(Refusal),
 }
@@ -116,6 +121,8 @@ pub struct ResetReport {
 pub enum Refusal {
     /// Only while disarmed.
     MotorsMayTurn,
+    /// A record begins with its sample 0.
+    NoReplay,
     /// The loop has too many commands to deal with.
     Busy,
     /// The flash does not hold what is written.
@@ -240,7 +247,7 @@ fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, LinkError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axes::PerAxis;
+    use crate::axes::{PerAxis, PerMotor};
     use crate::gains;
     use crate::parameters::SAMPLE_TIME;
     use crate::pipeline::Settings;
@@ -267,6 +274,16 @@ mod tests {
             (pair(), pair(), pair()).prop_map(|(angle, rate, accel)| {
                 ToBoard::Control(Wish::Setpoint(Reference { angle, rate, accel }))
             }),
+            (any::<u32>(), any::<[i32; 2]>(), pair(), prop::option::of(pair())).prop_map(
+                |(number, [pitch, yaw], volts, wanted)| {
+                    ToBoard::Replay(Sample {
+                        number,
+                        counts: PerAxis::new(pitch, yaw),
+                        volts: PerMotor::new(volts.pitch, volts.yaw),
+                        wanted: wanted.map(Reference::at_rest),
+                    })
+                }
+            ),
             number().prop_map(|gain| {
                 let mut parameters = parameters();
                 parameters.settings.model.damping.yaw = gain;

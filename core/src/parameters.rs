@@ -193,14 +193,18 @@ impl Limits {
     }
 }
 
+// As in `validate`: small, not fast.
+#[inline(never)]
 fn require(holds: bool, field: &'static str, allowed: &'static str) -> Result<(), ParameterError> {
     if holds { Ok(()) } else { Err(ParameterError::Range { field, allowed }) }
 }
 
+#[inline(never)]
 fn positive(field: &'static str, value: f32) -> Result<(), ParameterError> {
     require(value.is_finite() && value > 0.0, field, "a finite number above 0")
 }
 
+#[inline(never)]
 fn not_negative(field: &'static str, value: f32) -> Result<(), ParameterError> {
     require(value.is_finite() && value >= 0.0, field, "a finite number of at least 0")
 }

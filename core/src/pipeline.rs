@@ -142,7 +142,12 @@ impl<R: Real> Pipeline<R> {
         Self {
             model,
             rotors: needs_rotors.then(|| RotorModel::new(&settings.model, sample_time)),
-            estimator: Estimator::new(&controller.estimator, angle, sample_time),
+            estimator: Estimator::new(
+                &controller.estimator,
+                settings.model.coulomb_friction,
+                angle,
+                sample_time,
+            ),
             filter: controller.filter.map(|filter| CommandFilter::new(&filter, angle, sample_time)),
             law: Law::new(&controller.law, effectiveness, sample_time),
             cancellation: controller.cancellation,
@@ -237,6 +242,21 @@ impl<R: Real> Pipeline<R> {
     #[inline(always)]
     pub fn volts_limit(&self) -> PerMotor<R> {
         self.allocator.limit()
+    }
+}
+
+/// The two halves of a tick, one copy of the instructions each, for callers who need them rarely.
+impl Pipeline<f32> {
+    /// See [`Pipeline::believe`].
+    #[inline(never)]
+    pub fn believe_once(&mut self, measured: PerAxis<f32>, applied: PerMotor<f32>) -> Belief<f32> {
+        self.believe(measured, applied)
+    }
+
+    /// See [`Pipeline::decide`].
+    #[inline(never)]
+    pub fn decide_once(&mut self, belief: Belief<f32>, setpoint: &Reference<f32>) -> Command<f32> {
+        self.decide(belief, setpoint)
     }
 }
 

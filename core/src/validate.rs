@@ -4,6 +4,8 @@ use crate::axes::PerAxis;
 use crate::real::Real;
 use core::fmt;
 
+// None of these is inlined: a board calls them a hundred times at most, once, and its flash is small.
+
 /// A value that cannot be used: which, what it is, what is allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Invalid<R = f64> {
@@ -24,21 +26,25 @@ impl<R: fmt::Display> fmt::Display for Invalid<R> {
 impl<R: fmt::Debug + fmt::Display> core::error::Error for Invalid<R> {}
 
 /// Requires a finite number above zero.
+#[inline(never)]
 pub(crate) fn positive<R: Real<Mask = bool>>(field: &'static str, value: R) -> Result<(), Invalid<R>> {
     require(field, value, R::zero().lt(value), "a finite number above 0")
 }
 
 /// Requires a finite number of at least zero.
+#[inline(never)]
 pub(crate) fn not_negative<R: Real<Mask = bool>>(field: &'static str, value: R) -> Result<(), Invalid<R>> {
     require(field, value, R::zero().le(value), "a finite number of at least 0")
 }
 
 /// Requires a finite number.
+#[inline(never)]
 pub(crate) fn finite<R: Real<Mask = bool>>(field: &'static str, value: R) -> Result<(), Invalid<R>> {
     require(field, value, true, "a finite number")
 }
 
 /// Requires a finite number for which `holds`.
+#[inline(never)]
 pub(crate) fn require<R: Real<Mask = bool>>(
     field: &'static str,
     value: R,
@@ -49,6 +55,7 @@ pub(crate) fn require<R: Real<Mask = bool>>(
 }
 
 /// Requires that `check` holds for both, each under its own name.
+#[inline(never)]
 pub(crate) fn both<R: Real<Mask = bool>>(
     fields: [&'static str; 2],
     values: PerAxis<R>,

@@ -22,6 +22,7 @@ use twinrotor::link::{
     self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
 };
 use twinrotor::parameters::Parameters;
+use twinrotor::replay::{Replay, Replayed, Sample};
 
 /// Answers on their way out.
 static ANSWERS: Channel<ThreadModeRawMutex, ToHost, 2> = Channel::new();
@@ -39,9 +40,11 @@ pub(crate) fn start(
     wishes: Wishes,
 ) {
     static DMA_BUFFER: StaticCell<[u8; 512]> = StaticCell::new();
+    static REPLAY: StaticCell<Option<Replay>> = StaticCell::new();
     let (sender, receiver) = uart.split();
     let receiver = receiver.into_ring_buffered(DMA_BUFFER.init([0; 512]));
-    let operator = Operator { storage, parameters, reset, wishes };
+    let replay = REPLAY.init_with(|| None);
+    let operator = Operator { storage, parameters, replay, reset, wishes };
     spawner.spawn(receive(receiver, operator).expect("spawned once"));
     spawner.spawn(send(sender, reports).expect("spawned once"));
 }
@@ -138,6 +141,8 @@ fn health() -> Health {
 struct Operator {
     storage: Storage,
     parameters: Parameters,
+    /// The record under way. In a place of its own: the task that has it is moved when it is spawned.
+    replay: &'static mut Option<Replay>,
     reset: Option<ResetReport>,
     wishes: Wishes,
 }
@@ -155,6 +160,10 @@ impl Operator {
                 FRAME_EVERY.store(every.clamp(1, 1000), Ordering::Relaxed);
                 None
             }
+            ToBoard::Replay(sample) => Some(match self.replayed(&sample) {
+                Some(replayed) => ToHost::Replayed(replayed),
+                None => ToHost::Refused(Refusal::NoReplay),
+            }),
             ToBoard::ReadParameters => Some(ToHost::Parameters(self.parameters)),
             ToBoard::WriteParameters(parameters) => Some(match self.keep(parameters).await {
                 Ok(()) => ToHost::Saved,
@@ -171,6 +180,15 @@ impl Operator {
         tick::adopt(&parameters, &aside);
         self.parameters = parameters;
         Ok(())
+    }
+
+    /// One tick of a record; nothing of the control loop's. What it puts on the stack is not always there.
+    #[inline(never)]
+    fn replayed(&mut self, sample: &Sample) -> Option<Replayed> {
+        if sample.number == 0 {
+            *self.replay = Some(Replay::new(&self.parameters, sample));
+        }
+        self.replay.as_mut().map(|replay| replay.step(sample))
     }
 
     fn identity(&self) -> ToHost {

@@ -10,6 +10,7 @@
     )
 )]
 
+pub mod board;
 pub mod checkpoint;
 pub mod cli;
 pub mod closed_loop;

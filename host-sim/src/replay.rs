@@ -1,8 +1,8 @@
 //! A log through the firmware's own estimator and law: what would they have made of it?
 //!
-//! Every row is a tick of the core's pipeline in `f32`, with the row's counts as measurement and the logged volts as what is applied
-//! until the next. The estimator's rates are compared with those of a smoother that sees the future as well; the law is asked what it
-//! wants at each estimate, but has no say: its integrator runs on errors that it does not control.
+//! The log becomes a board's ticks: volts are held from row to row, and between rows an encoder counts evenly. Each tick goes through the
+//! core's [`Replay`], here or on a board; the estimator's rates are compared with those of a smoother that sees the future as
+//! well; the law is asked what it wants at each estimate, but has no say: its integrator runs on errors that it does not control.
 
 use crate::identify::smooth::smooth;
 use crate::log::Log;
@@ -11,19 +11,19 @@ use crate::scenario::{SAMPLE_TIME, Scenario};
 use serde::Serialize;
 use std::ops::Range;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::controller::ControllerSettings;
 use twinrotor::encoder::angle_per_count;
-use twinrotor::pipeline::{Pipeline, Settings};
+use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::Rig;
-use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::replay::{Replay, Replayed, Sample};
 
-/// \[s\] Reach, to either side, of the cubics that the true rates are taken from.
-pub const SMOOTHER_REACH: f64 = 0.12;
+/// \[s\] Reach, to either side, of the cubics that the true rates are taken from: with which they are nearest to rates that are
+/// known, on simulated runs of an Aero (a test). Pitch has half as many counts a turn as yaw, and so takes a longer one.
+pub const SMOOTHER_REACH: PerAxis<f64> = PerAxis { pitch: 0.15, yaw: 0.1 };
 /// Part of an axis' fastest rate below which it is no longer on its way.
 const SLOW: f64 = 0.05;
 
-/// What happened at one row.
+/// What happened at one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// \[s\]
@@ -41,20 +41,20 @@ pub struct Row {
 /// Differences, as root mean squares.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Report {
-    /// \[s\] The rows that were replayed.
+    /// \[s\] What was replayed, a tick every ms.
     pub from_s: f64,
     /// \[s\] To when.
     pub to_s: f64,
-    /// \[s\] From row to row.
+    /// \[s\] From row to row of the log.
     pub sample_time_s: f64,
     /// \[s\] Reach of the smoother, which looks ahead (acausal).
-    pub smoother_reach_s: f64,
-    /// \[rad/s\] Estimated minus smoothed rate, all rows.
+    pub smoother_reach_s: PerAxisReport,
+    /// \[rad/s\] Estimated minus smoothed rate, all ticks.
     pub rate_error: PerAxisReport,
-    /// \[rad/s\] The same while either axis is on its way.
+    /// \[rad/s\] The same while that axis is on its way: faster than a twentieth of its fastest.
     pub rate_error_transient: PerAxisReport,
     /// \[s\] How long that is.
-    pub transient_s: f64,
+    pub transient_s: PerAxisReport,
     /// \[V\] Our law's volts minus the logged ones, if it was asked.
     pub volts_difference: Option<PerMotorReport>,
 }
@@ -75,63 +75,95 @@ pub struct PerMotorReport {
     pub tail: f64,
 }
 
-/// What was wanted at each row, in the log's order: as it was recorded, or as a scenario has it; none if neither is there.
-pub fn references(log: &Log, scenario: Option<&Scenario>) -> Option<Vec<Reference<f32>>> {
-    if let Some(scenario) = scenario {
-        let trajectory = scenario.trajectory::<f32>();
+/// The longest stretch of a log without gaps as the ticks of a board at `rig`. What was wanted is as it was recorded, or as a
+/// scenario has it.
+pub fn samples(log: &Log, rig: &Rig, scenario: Option<&Scenario>) -> Vec<Sample> {
+    let rows = longest(log);
+    let per_count: PerAxis<f64> = rig.encoder_counts.map(angle_per_count);
+    let trajectory = scenario.map(Scenario::trajectory::<f32>);
+    let recorded = |row: usize| log.reference.as_ref().map(|angles| Reference::at_rest(angles[row].cast()));
+    let sample = |number: u32| {
+        let (row, part) = place(log, &rows, number);
+        let [before, after] = [row, row + 1].map(|row| log.angle[row.min(rows.end - 1)]);
+        let angle = before.zip(after, |before, after| before + part * (after - before));
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "seconds of a log, counted in ms"
+            reason = "counts of a few turns; seconds of a log, counted in ms"
         )]
-        let at = |time: &f64| trajectory.at((time / SAMPLE_TIME).round() as u32);
-        return Some(log.time.iter().map(at).collect());
-    }
-    let recorded = log.reference.as_ref()?;
-    Some(recorded.iter().map(|angle| Reference::at_rest(angle.cast())).collect())
-}
-
-/// The longest stretch of a log without gaps through `controller` on `rig`.
-pub fn replay(
-    log: &Log,
-    rig: &Rig,
-    controller: &ControllerSettings<f64>,
-    wanted: Option<&[Reference<f32>]>,
-) -> (Vec<Row>, Report) {
-    let rows = longest(log);
-    let settings: Settings<f32> = Settings::new(rig, *controller, log.sample_time).map(f32::from_f64);
-    let per_count: PerAxis<f32> = rig.encoder_counts.map(angle_per_count);
-    let measured = |angle: PerAxis<f64>| angle.zip(per_count, as_counted);
-    let start = measured(log.angle[rows.start]);
-    let mut pipeline = Pipeline::new(&settings, start);
-    let smoothed = |of: fn(&PerAxis<f64>) -> f64| {
-        let samples: Vec<f64> = log.angle[rows.clone()].iter().map(of).collect();
-        smooth(&samples, log.sample_time, SMOOTHER_REACH)
-    };
-    let smoothed = PerAxis { pitch: smoothed(|a| a.pitch), yaw: smoothed(|a| a.yaw) };
-    let row = |(k, index): (usize, usize)| {
-        let belief = pipeline.believe(measured(log.angle[index]), log.volts[index].cast());
-        let estimate = belief.estimate;
-        let ours =
-            wanted.map(|wanted| pipeline.decide(belief, &wanted[index]).allocation.volts.map(f64::from));
-        Row {
-            time: log.time[index],
-            estimated: estimate.state.rate.map(f64::from),
-            smoothed: PerAxis { pitch: smoothed.pitch[k].rate, yaw: smoothed.yaw[k].rate },
-            volts: log.volts[index],
-            ours,
+        Sample {
+            number,
+            counts: angle.zip(per_count, |angle, per_count| (angle / per_count).round() as i32),
+            volts: log.volts[row].cast(),
+            wanted: match &trajectory {
+                Some(trajectory) => {
+                    Some(trajectory.at((log.time[rows.start] / SAMPLE_TIME).round() as u32 + number))
+                }
+                None => recorded(row),
+            },
         }
     };
-    let replayed: Vec<Row> = rows.enumerate().map(row).collect();
-    let report = report(&replayed, log.sample_time);
-    (replayed, report)
+    (0..ticks(log, &rows)).map(sample).collect()
 }
 
-/// \[rad\] What the board makes of the counts that a logged angle stands for.
-fn as_counted(angle: f64, per_count: f32) -> f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "counts of a few turns")]
-    let counts = (angle / f64::from(per_count)).round() as i32;
-    f32::from_i32(counts) * per_count
+/// Ticks from the first row to the last.
+fn ticks(log: &Log, rows: &Range<usize>) -> u32 {
+    let spans = rows.len().saturating_sub(1) as f64;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "seconds of a log, counted in ms"
+    )]
+    let last = (spans * log.sample_time / SAMPLE_TIME + A_LITTLE) as u32;
+    if rows.is_empty() { 0 } else { last + 1 }
+}
+
+/// The row in force at a tick, and which part of the way to the next one has passed.
+fn place(log: &Log, rows: &Range<usize>, tick: u32) -> (usize, f64) {
+    let at = f64::from(tick) * SAMPLE_TIME / log.sample_time;
+    let whole = (at + A_LITTLE).floor();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row of the log")]
+    let row = rows.start + whole as usize;
+    (row.min(rows.end - 1), (at - whole).max(0.0))
+}
+
+/// More than rounding, and less than any part of a row or tick.
+const A_LITTLE: f64 = 1e-6;
+
+/// What the core makes of each tick.
+pub fn replay(parameters: &Parameters, samples: &[Sample]) -> Vec<Replayed> {
+    let Some(first) = samples.first() else { return Vec::new() };
+    let mut replay = Replay::new(parameters, first);
+    samples.iter().map(|sample| replay.step(sample)).collect()
+}
+
+/// The ticks of [`samples`] and what was made of them beside the log.
+pub fn compare(log: &Log, samples: &[Sample], replayed: &[Replayed]) -> (Vec<Row>, Report) {
+    let rows = longest(log);
+    let smoothed = |of: fn(&PerAxis<f64>) -> f64, reach: f64| {
+        let angles: Vec<f64> = log.angle[rows.clone()].iter().map(of).collect();
+        smooth(&angles, log.sample_time, reach)
+    };
+    let reach = SMOOTHER_REACH;
+    let smoothed = PerAxis { pitch: smoothed(|a| a.pitch, reach.pitch), yaw: smoothed(|a| a.yaw, reach.yaw) };
+    let row = |(sample, replayed): (&Sample, &Replayed)| {
+        let (row, part) = place(log, &rows, sample.number);
+        let rate = |row: usize| {
+            let k = row.min(rows.end - 1) - rows.start;
+            PerAxis { pitch: smoothed.pitch[k].rate, yaw: smoothed.yaw[k].rate }
+        };
+        let [before, after] = [row, row + 1].map(rate);
+        Row {
+            time: log.time[rows.start] + f64::from(sample.number) * SAMPLE_TIME,
+            estimated: replayed.rate.map(f64::from),
+            smoothed: before.zip(after, |before, after| before + part * (after - before)),
+            volts: log.volts[row],
+            ours: replayed.volts.map(|volts| volts.map(f64::from)),
+        }
+    };
+    let replayed: Vec<Row> = samples.iter().zip(replayed).map(row).collect();
+    let report = report(&replayed, log.sample_time);
+    (replayed, report)
 }
 
 fn longest(log: &Log) -> Range<usize> {
@@ -142,14 +174,13 @@ fn report(rows: &[Row], sample_time: f64) -> Report {
     let error = |r: &Row| r.estimated.minus(r.smoothed);
     let peak =
         rows.iter().fold(PerAxis::zero(), |m: PerAxis<f64>, r| m.zip(r.smoothed, |m, s| m.max(s.abs())));
-    let on_its_way =
-        |r: &&Row| r.smoothed.pitch.abs() > SLOW * peak.pitch || r.smoothed.yaw.abs() > SLOW * peak.yaw;
-    let moving: Vec<&Row> = rows.iter().filter(on_its_way).collect();
-    let axes = |rows: &[&Row]| PerAxisReport {
-        pitch: rms(rows.iter().map(|r| error(r).pitch)),
-        yaw: rms(rows.iter().map(|r| error(r).yaw)),
+    let axis = |of: fn(PerAxis<f64>) -> f64| {
+        let on_its_way: Vec<&Row> = rows.iter().filter(|r| of(r.smoothed).abs() > SLOW * of(peak)).collect();
+        let all = rms(rows.iter().map(|r| of(error(r))));
+        let transient = rms(on_its_way.iter().map(|r| of(error(r))));
+        (all, transient, on_its_way.len() as f64 * SAMPLE_TIME)
     };
-    let all: Vec<&Row> = rows.iter().collect();
+    let (pitch, yaw) = (axis(|v| v.pitch), axis(|v| v.yaw));
     let asked = rows.iter().all(|r| r.ours.is_some());
     let difference = |of: fn(PerMotor<f64>) -> f64| {
         rms(rows.iter().filter_map(|r| r.ours.map(|ours| of(ours.minus(r.volts)))))
@@ -158,10 +189,10 @@ fn report(rows: &[Row], sample_time: f64) -> Report {
         from_s: rows.first().map_or(0.0, |r| r.time),
         to_s: rows.last().map_or(0.0, |r| r.time),
         sample_time_s: sample_time,
-        smoother_reach_s: SMOOTHER_REACH,
-        rate_error: axes(&all),
-        rate_error_transient: axes(&moving),
-        transient_s: moving.len() as f64 * sample_time,
+        smoother_reach_s: PerAxisReport { pitch: SMOOTHER_REACH.pitch, yaw: SMOOTHER_REACH.yaw },
+        rate_error: PerAxisReport { pitch: pitch.0, yaw: yaw.0 },
+        rate_error_transient: PerAxisReport { pitch: pitch.1, yaw: yaw.1 },
+        transient_s: PerAxisReport { pitch: pitch.2, yaw: yaw.2 },
         volts_difference: asked
             .then(|| PerMotorReport { main: difference(|v| v.main), tail: difference(|v| v.tail) }),
     }

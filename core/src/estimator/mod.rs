@@ -10,7 +10,7 @@ mod tests;
 pub use extended_state::extended_state;
 pub use filtered_derivative::FilteredDerivative;
 pub use luenberger::luenberger;
-pub use observer::{Observer, ObserverGains};
+pub use observer::{BELIEVED_FRICTION_WIDTH, Observer, ObserverGains};
 
 use crate::axes::PerAxis;
 use crate::plant::{Dynamics, RigidBody, State};
@@ -142,9 +142,14 @@ pub enum Estimator<R> {
 }
 
 impl<R: Real> Estimator<R> {
-    /// Ready to start at `angle` \[rad\], at rest, called every `sample_time` \[s\].
-    pub fn new(settings: &EstimatorSettings<R>, angle: PerAxis<R>, sample_time: R) -> Self {
-        let observer = |gains| Self::Observer(Observer::new(gains, angle, sample_time));
+    /// Ready to start at `angle` \[rad\], at rest, called every `sample_time` \[s\], for a rig with this Coulomb `friction` \[N m\].
+    pub fn new(
+        settings: &EstimatorSettings<R>,
+        friction: PerAxis<R>,
+        angle: PerAxis<R>,
+        sample_time: R,
+    ) -> Self {
+        let observer = |gains| Self::Observer(Observer::new(gains, friction, angle, sample_time));
         match *settings {
             EstimatorSettings::FilteredDerivative { bandwidth } => {
                 Self::FilteredDerivative(FilteredDerivative::new(bandwidth, angle, sample_time))
@@ -166,6 +171,7 @@ impl<R: Real> Estimator<R> {
             Self::FilteredDerivative(e) => Belief::new(model, e.update(measured)),
             Self::Observer(o) => {
                 let belief = Belief::new(model, o.correct(measured));
+                let torque = o.moving(torque, belief.estimate.state.rate);
                 o.predict(&belief.estimate, belief.dynamics.accel(torque));
                 belief
             }

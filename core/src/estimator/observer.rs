@@ -3,11 +3,14 @@
 //! With ε = y - q⁻: q̂ = q⁻ + l₁ ε, v̂ = v⁻ + l₂ ε, σ̂ = σ⁻ + l₃ ε; then, for the acceleration â that the model gives for the
 //! volts in effect, q⁻ = q̂ + T v̂ + T²/2 (â + σ̂), v⁻ = v̂ + T (â + σ̂), σ⁻ = σ̂. Luenberger observer, extended state observer
 //! and stationary Kalman filter differ in l₁, l₂, l₃ alone.
+//!
+//! Coulomb friction, where the model has any, is part of â: left out, it biases the rate of a Luenberger observer by
+//! 2 F/(I ω), on an Aero's yaw half of all its error (docs/identify.md). The law does not push against it.
 
 use super::Estimate;
 use crate::axes::PerAxis;
 use crate::plant::State;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 use crate::validate::{Invalid, not_negative};
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +43,10 @@ impl<R: Real<Mask = bool>> ObserverGains<R> {
     }
 }
 
+/// \[rad/s\] Width of the friction that an observer believes in, F ω/√(ω² + w²): about what it does not know the rate by. One as
+/// narrow as the plant's would jump from one side to the other while the rig stands still.
+pub const BELIEVED_FRICTION_WIDTH: f64 = 0.02;
+
 /// An observer at work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observer<R> {
@@ -47,17 +54,26 @@ pub struct Observer<R> {
     /// T \[s\] and T²/2 [s²].
     step: R,
     half_square: R,
+    /// \[N m\] Coulomb friction, where there is any.
+    friction: Option<PerAxis<R>>,
     /// q⁻, v⁻ and σ⁻: what is expected at the next tick.
     expected: Estimate<R>,
 }
 
 impl<R: Real> Observer<R> {
-    /// At rest at `angle` \[rad\]; `sample_time` \[s\].
-    pub fn new(gains: PerAxis<ObserverGains<R>>, angle: PerAxis<R>, sample_time: R) -> Self {
+    /// At rest at `angle` \[rad\]; `friction` is Coulomb's \[N m\], `sample_time` in s.
+    pub fn new(
+        gains: PerAxis<ObserverGains<R>>,
+        friction: PerAxis<R>,
+        angle: PerAxis<R>,
+        sample_time: R,
+    ) -> Self {
+        let rubs = R::zero().lt(friction.pitch) | R::zero().lt(friction.yaw);
         Self {
             gains,
             step: sample_time,
             half_square: sample_time * sample_time * R::from_f64(0.5),
+            friction: rubs.any().then_some(friction),
             expected: Estimate::exact(State::at_rest(angle)),
         }
     }
@@ -80,6 +96,18 @@ impl<R: Real> Observer<R> {
             },
             disturbance: expected.disturbance.plus(by(|g| g.disturbance)),
         }
+    }
+
+    /// What is left of the motors' `torque` \[N m\] when friction has taken its part.
+    #[inline(always)]
+    pub fn moving(&self, torque: PerAxis<R>, rate: PerAxis<R>) -> PerAxis<R> {
+        let Some(friction) = self.friction else { return torque };
+        let width = R::from_f64(BELIEVED_FRICTION_WIDTH);
+        torque.minus(friction.zip(
+            rate,
+            #[inline(always)]
+            |f, w| f * w / (w * w + width * width).sqrt(),
+        ))
     }
 
     /// Moves on to the next tick from `estimate`, with `accel` \[rad/s²\] as the model has it for the time between.

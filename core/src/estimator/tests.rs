@@ -1,7 +1,8 @@
 use super::*;
 use crate::axes::PerMotor;
 use crate::encoder::angle_per_count;
-use crate::plant::{RealPlant, State, presets};
+use crate::plant::presets::Rig;
+use crate::plant::{PlantParameters, RealPlant, State, presets};
 use crate::rotor_model::RotorModel;
 
 const T: f64 = 1e-3;
@@ -9,11 +10,20 @@ const T: f64 = 1e-3;
 /// Flies the Aero open loop for 3 s with encoders and `disturbance` \[V\] on the main motor, and gives the estimate, the truth
 /// and the mean square error of the rates over the last two seconds.
 fn flown(settings: &EstimatorSettings<f64>, disturbance: f64) -> (Estimate<f64>, State<f64>, f64) {
-    let rig = presets::AERO;
-    let model = RigidBody::new(&rig.plant);
-    let mut rotors = RotorModel::new(&rig.plant, T);
+    flown_on(&presets::AERO, &presets::AERO, settings, disturbance)
+}
+
+/// The same on `rig`, which the estimator takes for `believed`.
+fn flown_on(
+    rig: &Rig,
+    believed: &Rig,
+    settings: &EstimatorSettings<f64>,
+    disturbance: f64,
+) -> (Estimate<f64>, State<f64>, f64) {
+    let model = RigidBody::new(&believed.plant);
+    let mut rotors = RotorModel::new(&believed.plant, T);
     let mut plant = RealPlant::<f64>::new(&rig.plant, State::default(), T);
-    let mut estimator = Estimator::new(settings, PerAxis::zero(), T);
+    let mut estimator = Estimator::new(settings, believed.plant.coulomb_friction, PerAxis::zero(), T);
     let count = rig.encoder_counts.map(angle_per_count::<f64>);
     let mut estimate = Estimate::default();
     let (mut truth, mut sum) = (State::default(), 0.0);
@@ -46,6 +56,20 @@ fn observers_with_a_true_model_beat_the_filtered_derivative() {
     assert!(extended < 0.2 * derivative, "{extended} {derivative}");
 }
 
+/// Friction that is left out biases the rate by 2 F/(I ω) of its sign; believed in, it costs a tenth of that.
+#[test]
+fn an_observer_that_believes_in_friction_is_not_biased_by_it() {
+    let frictionless = PlantParameters { coulomb_friction: PerAxis::zero(), ..presets::AERO_LAB.plant };
+    let frictionless = Rig { plant: frictionless, ..presets::AERO_LAB };
+    let settings = EstimatorSettings::Luenberger { bandwidth: both(20.0) };
+    let (_, _, biased) = flown_on(&presets::AERO_LAB, &frictionless, &settings, 0.0);
+    let (_, _, unbiased) = flown_on(&presets::AERO_LAB, &presets::AERO_LAB, &settings, 0.0);
+    let plant = presets::AERO_LAB.plant;
+    let bias = 2.0 * plant.coulomb_friction.yaw / (plant.inertia.yaw * 20.0);
+    assert!(biased > 0.5 * bias, "{biased} {bias}");
+    assert!(unbiased < 0.5 * biased, "{unbiased} {biased}");
+}
+
 #[test]
 fn the_extended_state_observer_finds_the_disturbance_and_the_luenberger_observer_none() {
     let rig = presets::AERO.plant;
@@ -64,7 +88,7 @@ fn the_extended_state_observer_finds_the_disturbance_and_the_luenberger_observer
 fn observer_errors_die_at_the_bandwidth() {
     let w = 50.0;
     for gains in [luenberger(w, T), extended_state(w, T)] {
-        let mut observer = Observer::new(PerAxis::both(gains), PerAxis::zero(), T);
+        let mut observer = Observer::new(PerAxis::both(gains), PerAxis::zero(), PerAxis::zero(), T);
         let measured = PerAxis::both(1.0);
         let mut error = f64::MAX;
         for _ in 0..400 {

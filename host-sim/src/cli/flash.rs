@@ -1,15 +1,15 @@
 //! `flash`: gains onto a board.
 
 use super::{print, print_json};
+use crate::board;
 use crate::error::{Failure, Outcome};
-use crate::flash::{self, BAUD, Board, IMAGE_ADDRESS};
+use crate::flash::{self, IMAGE_ADDRESS};
 use crate::gains_file::GainsFile;
 use crate::output;
 use crate::rig;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Duration;
 use twinrotor::parameters::Parameters;
 
 /// Flags of `flash`.
@@ -115,11 +115,7 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
 }
 
 fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
-    let port = serialport::new(name, BAUD)
-        .timeout(Duration::from_millis(50))
-        .open()
-        .map_err(|error| Failure::Run(format!("--port {name} cannot be opened: {error}")))?;
-    let mut board = Board::new(port);
+    let mut board = board::open(name)?;
     let identity = board.identify()?;
     board.write(parameters)?;
     Ok(format!(

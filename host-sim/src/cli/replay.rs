@@ -2,15 +2,20 @@
 
 use super::common::Common;
 use super::{print, print_json, tables};
+use crate::board::{self, AT_ONCE};
 use crate::error::{Failure, Outcome};
+use crate::flash;
 use crate::gains_file::GainsFile;
 use crate::log::{Columns, Log};
 use crate::plot;
 use crate::replay::{self, Report};
 use crate::scenario::Scenario;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
+use twinrotor::parameters::Parameters;
+use twinrotor::replay::{Replayed, Sample};
 
 /// Flags of `replay`.
 #[derive(Debug, clap::Args)]
@@ -29,6 +34,9 @@ pub(super) struct Args {
     /// What was wanted, where the log does not say: step, 1, 2, 3, 3-square, or a FILE.toml; time begins with the log
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<String>,
+    /// Replay it on the board at this serial port as well, which must keep these gains, and compare to the bit
+    #[arg(long, value_name = "DEVICE")]
+    port: Option<String>,
     /// Draw rates and volts as .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -41,6 +49,8 @@ struct Document<'a> {
     gains: &'a GainsFile,
     #[serde(flatten)]
     report: Report,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    on_board: Option<String>,
     notes: &'a [String],
 }
 
@@ -54,27 +64,69 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let columns = Columns::parse(&args.columns).map_err(Failure::Input)?;
     let log = Log::load(&args.log, &columns)?;
     log.check_volts(named.rig.volts_limit)?;
-    let wanted = replay::references(&log, scenario.as_ref());
-    let (rows, report) = replay::replay(&log, &named.rig, &gains.controller, wanted.as_deref());
+    let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
+    parameters.validate().map_err(flash::unusable)?;
+    let samples = replay::samples(&log, &named.rig, scenario.as_ref());
+    let replayed = replay::replay(&parameters, &samples);
+    let on_board =
+        args.port.as_ref().map(|port| on_board(port, &parameters, &samples, &replayed)).transpose()?;
+    let (rows, report) = replay::compare(&log, &samples, &replayed);
     let title = format!("{} through {} gains on {}", log.name, args.gains, named.name);
     if let Some(path) = &args.plot {
         replay::figure(&title, &rows, named.rig.volts_limit).write(path)?;
     }
     if args.common.json {
-        let document =
-            Document { log: &log.name, preset: &named.name, gains: &gains, report, notes: &log.notes };
+        let document = Document {
+            log: &log.name,
+            preset: &named.name,
+            gains: &gains,
+            report,
+            on_board,
+            notes: &log.notes,
+        };
         return print_json(&document);
     }
-    print(&summary(&title, &report, &log.notes))
+    print(&summary(&title, &report, on_board.as_deref(), &log.notes))
 }
 
-fn summary(title: &str, report: &Report, notes: &[String]) -> String {
+/// The same on the board at `port`, whose answers must be the same.
+fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Replayed]) -> Outcome<String> {
+    let mut board = board::open(port)?;
+    let identity = board.identify()?;
+    if !board.keeps(parameters)? {
+        return Err(Failure::Run(format!(
+            "the board at {port} keeps other parameters than these gains and this preset make: host-sim flash GAINS --preset PRESET --port {port}"
+        )));
+    }
+    let bar = ProgressBar::new(samples.len() as u64);
+    let style = ProgressStyle::with_template("{bar:32} {pos}/{len} ticks on the board, {eta} left");
+    bar.set_style(style.expect("the template is well-formed"));
+    for (samples, here) in samples.chunks(AT_ONCE).zip(here.chunks(AT_ONCE)) {
+        let there = board.replay(samples)?;
+        if let Some((here, there)) = here.iter().zip(&there).find(|(here, there)| !here.same_bits(there)) {
+            return Err(Failure::Run(format!(
+                "the board does not compute what this program does: here {here:?}, there {there:?}"
+            )));
+        }
+        bar.inc(samples.len() as u64);
+    }
+    bar.finish_and_clear();
+    Ok(format!(
+        "{} with firmware {} gave the same bits in all {} ticks",
+        identity.chip,
+        identity.firmware,
+        samples.len()
+    ))
+}
+
+fn summary(title: &str, report: &Report, on_board: Option<&str>, notes: &[String]) -> String {
     let mut text = format!(
-        "{title}\n{} to {} s, a tick every {} ms; true rates by a smoother that looks {} s back and ahead\n",
+        "{title}\n{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s back and ahead\n",
         report.from_s,
         report.to_s,
         1e3 * report.sample_time_s,
-        report.smoother_reach_s
+        report.smoother_reach_s.pitch,
+        report.smoother_reach_s.yaw
     );
     let mut table = tables::table(&["root mean square", "pitch", "yaw"]);
     let mut row = |name: &str, [a, b]: [f64; 2]| {
@@ -83,7 +135,10 @@ fn summary(title: &str, report: &Report, notes: &[String]) -> String {
     row("rate error [rad/s]", [report.rate_error.pitch, report.rate_error.yaw]);
     let transient = report.rate_error_transient;
     row(
-        &format!("rate error, {:.1} s under way [rad/s]", report.transient_s),
+        &format!(
+            "rate error, {:.1}/{:.1} s under way [rad/s]",
+            report.transient_s.pitch, report.transient_s.yaw
+        ),
         [transient.pitch, transient.yaw],
     );
     let _ = writeln!(text, "{table}");
@@ -92,6 +147,9 @@ fn summary(title: &str, report: &Report, notes: &[String]) -> String {
             let _ = writeln!(text, "our volts minus the logged ones: main {:.2} V, tail {:.2} V rms", volts.main, volts.tail);
         }
         None => text.push_str("what was wanted is not recorded: the law was not asked (--scenario, or columns ref_pitch,ref_yaw)\n"),
+    }
+    if let Some(on_board) = on_board {
+        let _ = writeln!(text, "{on_board}");
     }
     for note in notes {
         let _ = writeln!(text, "note: {note}");

@@ -10,10 +10,12 @@ use host_sim::cli::tables;
 use host_sim::error::{Failure, Outcome};
 use host_sim::flight::Flight;
 use host_sim::gains_file::GainsFile;
+use host_sim::log::{Columns, Log};
 use host_sim::metrics::Report;
 use host_sim::scenario::Scenario;
-use host_sim::{figures, flash, plot, rig};
+use host_sim::{figures, flash, plot, replay, rig};
 use serde::Serialize;
+use twinrotor::link::ToBoard;
 use twinrotor::parameters::ram_flash::AREA_SIZE;
 use twinrotor::parameters::{Parameters, SAMPLE_TIME};
 use twinrotor::plant::presets::Rig;
@@ -42,9 +44,15 @@ struct Args {
     /// The helicopter: a preset or a FILE.toml of your own
     #[arg(long, default_value = "paper")]
     preset: String,
-    /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
-    #[arg(long, default_value = "step")]
-    scenario: String,
+    /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own [default: step]
+    #[arg(long)]
+    scenario: Option<String>,
+    /// Fly nothing: put this log through the board's own estimator and law, and compare with the host's, to the bit
+    #[arg(long, value_name = "LOG.csv", conflicts_with_all = ["plot", "json"])]
+    replay: Option<PathBuf>,
+    /// Other names, signs and units of the log's columns, as `host-sim replay` has them
+    #[arg(long, value_name = "LIST", default_value = "", allow_hyphen_values = true, requires = "replay")]
+    columns: String,
     /// The wiring has passed the first-power check before: do not ask for it
     #[arg(long)]
     checked: bool,
@@ -58,6 +66,9 @@ struct Args {
     #[arg(long)]
     json: bool,
 }
+
+/// \[ms\] Enough to boot, or to answer.
+const BOOT: u64 = 100;
 
 /// What a run comes to.
 #[derive(Debug, Serialize)]
@@ -96,7 +107,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Outcome<()> {
     let named = rig::load(&args.preset)?;
-    let scenario = Scenario::load(&args.scenario)?;
+    let scenario = args.scenario.as_deref().map(Scenario::load).transpose()?;
     if let Some(path) = &args.plot {
         plot::check("--plot", path)?;
     }
@@ -119,7 +130,10 @@ fn run(args: &Args) -> Outcome<()> {
             println!("{}", event(frame));
         }
     };
-    let failed = |why: virtual_board::machine::Failure| Failure::Run(why.to_string());
+    if let Some(path) = &args.replay {
+        return replay_on_board(args, path, &named.rig, scenario.as_ref(), &mut station);
+    }
+    let scenario = scenario.map_or_else(|| Scenario::load("step"), Ok)?;
     flight::take_off(&mut station, &mut told).map_err(failed)?;
     let (before, executed) = station.machine.now();
     let off = Instant::now();
@@ -177,7 +191,7 @@ fn document<'a>(
     let health = heard.health.last().ok_or_else(silent)?;
     Ok(Document {
         preset: &args.preset,
-        scenario: &args.scenario,
+        scenario: args.scenario.as_deref().unwrap_or("step"),
         gains: &args.gains,
         seed: args.seed,
         firmware: identity.firmware.to_string(),
@@ -193,6 +207,34 @@ fn document<'a>(
         speed_since_power_on,
         report: flown.report,
     })
+}
+
+/// A log through the board, which says itself with which parameters, and through the host with the same.
+fn replay_on_board(
+    args: &Args,
+    path: &Path,
+    rig: &Rig,
+    scenario: Option<&Scenario>,
+    station: &mut Station,
+) -> Outcome<()> {
+    let log = Log::load(path, &Columns::parse(&args.columns).map_err(Failure::Input)?)?;
+    let samples = replay::samples(&log, rig, scenario);
+    station.try_run(BOOT).map_err(failed)?;
+    station.send(&ToBoard::ReadParameters);
+    station.try_run(BOOT).map_err(failed)?;
+    let silent = || Failure::Run("the board does not say its parameters".to_owned());
+    let parameters = station.heard.parameters.pop().ok_or_else(silent)?;
+    let there = station.replay(&samples).map_err(failed)?;
+    let here = replay::replay(&parameters, &samples);
+    if let Some((here, there)) = here.iter().zip(&there).find(|(here, there)| !here.same_bits(there)) {
+        return Err(Failure::Run(format!("on the host {here:?}, on the board {there:?}")));
+    }
+    println!("{}: the same bits in all {} ticks", log.name, samples.len());
+    Ok(())
+}
+
+fn failed(why: virtual_board::machine::Failure) -> Failure {
+    Failure::Run(why.to_string())
 }
 
 /// The parameter sectors.

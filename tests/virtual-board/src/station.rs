@@ -1,11 +1,13 @@
 //! An operator's end of the link: sends commands to a board that runs, and keeps what it says.
 
+use host_sim::board::AT_ONCE;
 use twinrotor::axes::PerAxis;
 use twinrotor::control_loop::Wish;
 use twinrotor::first_power::Verdict;
 use twinrotor::link::{self, Decoder, Health, Identity, MAX_FRAME, Refusal, ToBoard, ToHost};
 use twinrotor::parameters::Parameters;
 use twinrotor::reference::Reference;
+use twinrotor::replay::{Replayed, Sample};
 use twinrotor::supervisor::{Condition, Request, State};
 use twinrotor::telemetry::Frame;
 
@@ -26,6 +28,8 @@ pub struct Heard {
     pub saved: usize,
     /// What its first-power checks found.
     pub verdicts: Vec<Verdict>,
+    /// What it made of the ticks of a record.
+    pub replayed: Vec<Replayed>,
     /// What it would not do.
     pub refusals: Vec<Refusal>,
     /// Messages that came damaged.
@@ -65,6 +69,30 @@ impl Station {
     /// Asks something of the supervisor.
     pub fn request(&mut self, request: Request) {
         self.send(&ToBoard::Control(Wish::Request(request)));
+    }
+
+    /// Puts a record through the board's own estimator and law.
+    ///
+    /// # Errors
+    ///
+    /// If the firmware reached something that is not modelled, or does not answer.
+    pub fn replay(&mut self, samples: &[Sample]) -> Result<Vec<Replayed>, Failure> {
+        self.heard.replayed.clear();
+        for chunk in samples.chunks(AT_ONCE) {
+            chunk.iter().for_each(|sample| self.send(&ToBoard::Replay(*sample)));
+            let wanted = self.heard.replayed.len() + chunk.len();
+            for _ in 0..100 {
+                self.try_run(2)?;
+                if self.heard.replayed.len() >= wanted {
+                    break;
+                }
+            }
+            if self.heard.replayed.len() < wanted {
+                let heard = self.heard.replayed.len();
+                return Err(Failure(format!("after {heard} ticks of the record: {}", self.heard.summary())));
+            }
+        }
+        Ok(std::mem::take(&mut self.heard.replayed))
     }
 
     /// Wants the helicopter at rest there, angles in rad.
@@ -151,6 +179,7 @@ impl Heard {
             ToHost::Parameters(parameters) => self.parameters.push(parameters),
             ToHost::Saved => self.saved += 1,
             ToHost::Verdict(verdict) => self.verdicts.push(verdict),
+            ToHost::Replayed(replayed) => self.replayed.push(replayed),
             ToHost::Refused(refusal) => self.refusals.push(refusal),
         }
     }

@@ -30,12 +30,13 @@ fn run() -> Result<(), String> {
     let (rig, built_in) = record::tuned(record::BUILT_IN);
     let mut papers = flying(&firmware, &presets::PAPER, record::papers(&presets::PAPER))?;
     let mut rigs = flying(&firmware, &rig, built_in)?;
-    let figures = Figures::new(&firmware, InFlight::measure(&mut papers), InFlight::measure(&mut rigs));
-    println!("{figures}\n\n  paper   rig  instructions of the median tick");
     let profiles = [
         Profile::of(&firmware, &mut papers, TICK, 40)?.median(),
         Profile::of(&firmware, &mut rigs, TICK, 40)?.median(),
     ];
+    let ours = Profile::of(&firmware, &mut papers, TICK, 40)?.from_reference_to_volts();
+    let figures = Figures::new(&firmware, InFlight::measure(&mut papers), InFlight::measure(&mut rigs));
+    println!("{figures}\n\n  paper   rig  instructions of the median tick");
     if let Err(why) = profile::compare(firmware.compiler(), &profiles) {
         println!("{why}");
     }
@@ -44,7 +45,6 @@ fn run() -> Result<(), String> {
     }
     let [paper, rig] = profiles.map(|profile| profile.iter().sum::<u64>());
     println!("{paper:7} {rig:5}  in all\n");
-    let ours = Profile::of(&firmware, &mut papers, TICK, 40)?.from_reference_to_volts();
     println!("the paper's law, reference to volts:\n{ours:7}  firmware (model, law, allocation)");
     match in_c::compiler() {
         Some(compiler) => {

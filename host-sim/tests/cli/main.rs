@@ -1,11 +1,12 @@
 //! The program as people use it: flags, files, exit status.
 
+mod logs;
+mod searches;
+
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::process::{Command, Output};
 
 fn host_sim(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_host-sim")).args(args).current_dir(folder).output().unwrap()
@@ -195,102 +196,6 @@ fn a_preset_and_a_scenario_of_ones_own() {
     assert!(told["yaw"]["settling_time_2"].is_null(), "a sine has no step to settle on");
 }
 
-/// A search that would take minutes, at work.
-fn long_search(folder: &Path, extra: &[&str]) -> std::process::Child {
-    let args = ["tune", "--iterations", "100000", "--population", "50", "--json", "--out", "g.toml"];
-    Command::new(env!("CARGO_BIN_EXE_host-sim"))
-        .args(args)
-        .args(extra)
-        .current_dir(folder)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
-}
-
-#[test]
-fn ctrl_c_ends_promptly_with_the_best_so_far() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut child = long_search(folder.path(), &[]);
-    sleep(Duration::from_millis(1500));
-    let asked = Instant::now();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(asked.elapsed() < Duration::from_secs(10));
-    let flown = json(folder.path(), &["simulate", "--gains", "g.toml", "--json"]);
-    let ise = flown["pitch"]["ise"].as_f64().unwrap() + flown["yaw"]["ise"].as_f64().unwrap();
-    assert!(ise < 0.0811, "{ise}");
-}
-
-#[test]
-fn a_time_limit_ends_with_the_best_so_far() {
-    let folder = tempfile::tempdir().unwrap();
-    assert!(long_search(folder.path(), &["--time-limit", "0.5"]).wait().unwrap().success());
-    assert!(folder.path().join("g.toml").exists());
-}
-
-#[test]
-fn a_killed_search_resumes_to_the_bytes_of_an_uninterrupted_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = |extra: &[&str]| {
-        let args = ["tune", "--iterations", "400", "--population", "30", "--horizon", "1", "--seed", "9"];
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        command.args(args).args(extra).current_dir(folder.path());
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        command.spawn().unwrap()
-    };
-    assert!(run(&["--out", "whole.toml"]).wait().unwrap().success());
-
-    let checkpointed = ["--out", "parts.toml", "--checkpoint", "state.bin"];
-    // However far a run gets before it is cut off, and on however many threads the next one goes on.
-    assert!(run(&[&checkpointed[..], &["--time-limit", "0.2"]].concat()).wait().unwrap().success());
-    for (threads, wait) in [("1", 150), ("16", 400)] {
-        let mut killed = run(&[&checkpointed[..], &["--resume", "--threads", threads]].concat());
-        sleep(Duration::from_millis(wait));
-        let _ = killed.kill();
-        killed.wait().unwrap();
-    }
-    assert!(run(&[&checkpointed[..], &["--resume"]].concat()).wait().unwrap().success());
-    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
-    assert_eq!(read("whole.toml"), read("parts.toml"));
-
-    // What exists is not written over unasked; what is foreign or damaged is refused.
-    assert_eq!(run(&checkpointed).wait().unwrap().code(), Some(2));
-    let foreign = [&checkpointed[..], &["--resume", "--bounds", "1,24"]].concat();
-    assert_eq!(run(&foreign).wait().unwrap().code(), Some(2));
-    let mut bytes = read("state.bin");
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
-    fs::write(folder.path().join("state.bin"), bytes).unwrap();
-    assert_eq!(run(&[&checkpointed[..], &["--resume"]].concat()).wait().unwrap().code(), Some(2));
-}
-
-#[test]
-fn any_method_tunes_and_a_killed_robust_search_resumes_to_the_same_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    for algorithm in ["cmaes", "nelder-mead", "fpa-adaptive", "sobol"] {
-        let args = ["tune", "--json", "--algorithm", algorithm, "--iterations", "1", "--horizon", "1"];
-        let told = json(folder.path(), &args);
-        assert_eq!(
-            (told["evaluations"].as_u64(), told["diverged"].as_u64()),
-            (Some(100), Some(0)),
-            "{algorithm}"
-        );
-    }
-    let robust = ["tune", "--objective", "robust", "--fidelity", "rig", "--plants", "4", "--population", "8"];
-    let run = |extra: &[&str]| {
-        let args = [&robust[..], &["--iterations", "4", "--rounds", "2", "--seed", "3"], extra].concat();
-        host_sim(folder.path(), &args).status.code()
-    };
-    assert_eq!(run(&["--out", "whole.toml"]), Some(0));
-    let parts = ["--out", "parts.toml", "--checkpoint", "state.bin"];
-    assert_eq!(run(&[&parts[..], &["--time-limit", "0.05"]].concat()), Some(0));
-    assert_eq!(run(&[&parts[..], &["--resume", "--threads", "1"]].concat()), Some(0));
-    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
-    assert_eq!(read("whole.toml"), read("parts.toml"));
-    assert_eq!(run(&[&parts[..], &["--resume", "--range", "3"]].concat()), Some(2));
-}
-
 #[test]
 fn methods_are_compared_in_numbers_rows_and_a_picture() {
     let folder = tempfile::tempdir().unwrap();
@@ -335,69 +240,26 @@ fn a_front_comes_with_the_gains_of_every_point() {
     assert!(fs::read_to_string(folder.path().join("front/front.svg")).unwrap().contains("chosen"));
 }
 
-/// A flight recorded by `simulate` goes through `identify` and `replay`, and the preset that comes out flies.
+/// The report is whole: a page that shows every section, a number for every figure's points, the same bytes from the same seed.
 #[test]
-fn a_recorded_flight_leads_to_a_preset() {
+fn the_paper_is_reproduced_as_a_page_and_its_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    let columns = "pitch=theta,yaw=psi,v0=v_main,v1=v_tail";
-    let rig = ["--preset", "aero-lab", "--fidelity", "rig", "--csv", "run.csv"];
-    assert!(host_sim(folder.path(), &[&["simulate"][..], &rig].concat()).status.success());
-    let few =
-        ["identify", "run.csv", "--columns", columns, "--preset", "aero-lab", "--json", "--window", "1.5"];
-    let fix = [
-        "--fix",
-        "effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction",
-        "--iterations",
-        "0",
-    ];
-    let found = json(folder.path(), &[&few[..], &fix, &["--population", "2"]].concat());
-    assert_eq!(found["parameters"].as_array().unwrap().len(), 5);
-    assert!(found["fits"][0]["pitch"].as_f64().unwrap() > 90.0 && found["fits"][0]["role"] == "train");
-    assert!(found["parameters"][0]["ci95"].is_array() && found["parameters"][0]["unit"] == "N m s/rad");
-    let flown = json(folder.path(), &["simulate", "--preset", "preset.toml", "--fidelity", "rig", "--json"]);
-    assert_eq!(flown["preset"], "preset.toml");
-    let replayed = json(
-        folder.path(),
-        &[
-            "replay",
-            "run.csv",
-            "--columns",
-            columns,
-            "--preset",
-            "preset.toml",
-            "--scenario",
-            "step",
-            "--json",
-        ],
-    );
-    assert!(replayed["rate_error"]["pitch"].is_number() && replayed["volts_difference"]["main"].is_number());
-}
-
-/// From a short flight to the suggested one, and with both logs the constant that was known worst is known better.
-#[test]
-fn a_suggested_flight_narrows_what_was_known_worst() {
-    let folder = tempfile::tempdir().unwrap();
-    let fly = |more: &[&str]| {
-        let rig = ["simulate", "--preset", "aero-lab", "--fidelity", "rig"];
-        let flown = host_sim(folder.path(), &[&rig[..], more].concat());
-        assert!(flown.status.success(), "{}", String::from_utf8_lossy(&flown.stderr));
-    };
-    let identify = |logs: &[&str], more: &[&str]| {
-        let few = ["--columns", "pitch=theta,yaw=psi,v0=v_main,v1=v_tail", "--preset", "aero-lab", "--json"];
-        let fix = ["--fix", "effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction"];
-        let quick = ["--window", "1.5", "--iterations", "0", "--population", "2"];
-        json(folder.path(), &[&["identify"], logs, &few, &fix, &quick, more].concat())
-    };
-    fly(&["--csv", "run.csv"]);
-    let before = identify(&["run.csv"], &["--suggest", "next.toml"]);
-    let constant = before["suggestion"].as_str().unwrap().split(':').next().unwrap().to_owned();
-    fly(&["--scenario", "next.toml", "--csv", "next.csv"]);
-    let after = identify(&["run.csv", "next.csv"], &[]);
-    let width = |found: &Value| {
-        let all = found["parameters"].as_array().unwrap();
-        let worst = all.iter().find(|p| p["name"] == constant.as_str()).unwrap();
-        let end = |k: usize| worst["ci95"][k].as_f64();
-        end(1).zip(end(0)).map_or(f64::INFINITY, |(most, least)| most - least)
-    };
-    assert!(width(&after) < 0.8 * width(&before), "{constant}: {} to {}", width(&before), width(&after));
+    let report = json(folder.path(), &["reproduce", "--json"]);
+    let read = |out: &str, name: &str| fs::read_to_string(folder.path().join(out).join(name)).unwrap();
+    assert!(host_sim(folder.path(), &["reproduce", "--out", "again"]).status.success());
+    let page = read("again", "index.html");
+    for section in report["sections"].as_array().unwrap() {
+        assert!(page.contains(section["title"].as_str().unwrap()), "{}", section["title"]);
+        for entry in section["entries"].as_array().unwrap() {
+            let verdict = entry["verdict"].as_str().unwrap();
+            assert!(
+                ["reproduced", "within-ambiguity", "not-reproduced", "given"].contains(&verdict),
+                "{verdict}"
+            );
+        }
+    }
+    let drawn = read("again", "fig-4a-responses.csv");
+    assert!(drawn.lines().count() > 1_000 && drawn.lines().skip(1).all(|row| row.split(',').count() > 2));
+    let written: Value = serde_json::from_str(&read("again", "report.json")).unwrap();
+    assert_eq!(written, report);
 }

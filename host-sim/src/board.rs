@@ -1,0 +1,276 @@
+//! A board at the other end of a serial line: who it is, which parameters it keeps, what it makes of a record.
+
+use crate::error::{Failure, Outcome};
+use std::io::{ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+use twinrotor::link::{self, Decoder, Identity, MAX_FRAME, Refusal, ToBoard, ToHost};
+use twinrotor::parameters::{self, Parameters};
+use twinrotor::replay::{Replayed, Sample};
+
+/// \[baud\] Of the serial link.
+pub const BAUD: u32 = 1_000_000;
+
+/// How long a board may take for an answer, an erase of .5 s included.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Samples that a board takes in one go: its buffer has 512 bytes.
+pub const AT_ONCE: usize = 8;
+
+fn failed(error: std::io::Error) -> Failure {
+    Failure::Run(format!("the serial port failed: {error}"))
+}
+
+/// A board at the other end of a serial port whose reads time out soon.
+pub struct Board<P> {
+    port: P,
+    decoder: Decoder,
+}
+
+impl<P: Read + Write> Board<P> {
+    /// Over `port`.
+    pub fn new(port: P) -> Self {
+        Self { port, decoder: Decoder::new() }
+    }
+
+    /// Who is there; refuses one that keeps its parameters in another version.
+    pub fn identify(&mut self) -> Outcome<Identity> {
+        let identity = self.ask(&ToBoard::Identify, |answer| match answer {
+            ToHost::Identity(identity) => Some(Ok(identity)),
+            _ => None,
+        })?;
+        if identity.parameters == parameters::VERSION {
+            return Ok(identity);
+        }
+        Err(Failure::Run(format!(
+            "the board keeps parameters of version {}, this program those of version {}: build both from the same source",
+            identity.parameters,
+            parameters::VERSION
+        )))
+    }
+
+    /// Sends the parameters, has them kept, reads them back and compares.
+    pub fn write(&mut self, parameters: &Parameters) -> Outcome<()> {
+        self.ask(&ToBoard::WriteParameters(*parameters), |answer| match answer {
+            ToHost::Saved => Some(Ok(())),
+            ToHost::Refused(refusal) => Some(Err(Failure::Run(told(&refusal)))),
+            _ => None,
+        })?;
+        if self.read()? == *parameters {
+            Ok(())
+        } else {
+            Err(Failure::Run("the board read back other parameters than were sent".to_owned()))
+        }
+    }
+
+    /// Whether the board has these parameters in force, but for whether its wiring has been checked.
+    pub fn keeps(&mut self, parameters: &Parameters) -> Outcome<bool> {
+        let read = self.read()?;
+        Ok(Parameters { checked: parameters.checked, ..read } == *parameters)
+    }
+
+    fn read(&mut self) -> Outcome<Parameters> {
+        self.ask(&ToBoard::ReadParameters, |answer| match answer {
+            ToHost::Parameters(parameters) => Some(Ok(parameters)),
+            _ => None,
+        })
+    }
+
+    /// Ticks of a record through the board's own estimator and law, from sample 0 on in order. No more than
+    /// [`AT_ONCE`] fit its buffer.
+    pub fn replay(&mut self, samples: &[Sample]) -> Outcome<Vec<Replayed>> {
+        let messages: Vec<ToBoard> = samples.iter().map(|sample| ToBoard::Replay(*sample)).collect();
+        self.say(&messages)?;
+        let mut answers = Vec::with_capacity(samples.len());
+        self.hear(|answer| match answer {
+            ToHost::Replayed(replayed) => {
+                answers.push(replayed);
+                (answers.len() == samples.len()).then_some(Ok(()))
+            }
+            ToHost::Refused(refusal) => Some(Err(Failure::Run(told(&refusal)))),
+            _ => None,
+        })?;
+        Ok(answers)
+    }
+
+    /// Sends a message and waits for the answer that `pick` takes.
+    fn ask<T>(&mut self, message: &ToBoard, pick: impl FnMut(ToHost) -> Option<Outcome<T>>) -> Outcome<T> {
+        self.say(std::slice::from_ref(message))?;
+        self.hear(pick)
+    }
+
+    fn say(&mut self, messages: &[ToBoard]) -> Outcome<()> {
+        // A zero byte ends whatever noise came before.
+        let mut bytes = vec![0];
+        for message in messages {
+            let mut buffer = [0; MAX_FRAME];
+            bytes.extend(link::encode(message, &mut buffer).expect("every message fits its frame"));
+        }
+        self.port.write_all(&bytes).and_then(|()| self.port.flush()).map_err(failed)
+    }
+
+    fn hear<T>(&mut self, mut pick: impl FnMut(ToHost) -> Option<Outcome<T>>) -> Outcome<T> {
+        let deadline = Instant::now() + PATIENCE;
+        let mut bytes = [0; 256];
+        while Instant::now() < deadline {
+            let count = match self.port.read(&mut bytes) {
+                Ok(count) => count,
+                Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => 0,
+                Err(error) => return Err(failed(error)),
+            };
+            for &byte in &bytes[..count] {
+                if let Some(Ok(answer)) = self.decoder.push::<ToHost>(byte)
+                    && let Some(outcome) = pick(answer)
+                {
+                    return outcome;
+                }
+            }
+        }
+        Err(Failure::Run(format!(
+            "the board did not answer within {} s: is it powered, is this its port, does it run this firmware?",
+            PATIENCE.as_secs()
+        )))
+    }
+}
+
+fn told(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::MotorsMayTurn => {
+            "the board keeps parameters only while disarmed: disarm it and clear its fault".to_owned()
+        }
+        Refusal::NoReplay => "the board has lost the beginning of the record: begin again".to_owned(),
+        Refusal::Busy => "the board is busy: try again".to_owned(),
+        Refusal::Flash => "the board's flash did not hold what was written".to_owned(),
+        Refusal::Range { field, allowed } => format!("the board refuses {field}; allowed: {allowed}"),
+    }
+}
+
+/// Opens the serial port called `name`.
+pub fn open(name: &str) -> Outcome<Board<Box<dyn serialport::SerialPort>>> {
+    let port = serialport::new(name, BAUD).timeout(Duration::from_millis(50)).open();
+    let port = port.map_err(|error| Failure::Run(format!("--port {name} cannot be opened: {error}")))?;
+    Ok(Board::new(port))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::VecDeque;
+    use twinrotor::axes::{PerAxis, PerMotor};
+    use twinrotor::gains;
+    use twinrotor::parameters::SAMPLE_TIME;
+    use twinrotor::pipeline::Settings;
+    use twinrotor::plant::presets;
+    use twinrotor::replay::Replay;
+    use twinrotor::telemetry::Frame;
+
+    fn parameters() -> Parameters {
+        Parameters::new(&presets::AERO, &Settings::paper(&presets::AERO, gains::PAPER, SAMPLE_TIME))
+    }
+
+    /// A board that answers as the firmware does, telemetry and noise in between.
+    #[derive(Default)]
+    struct Wire {
+        decoder: Decoder,
+        kept: Option<Parameters>,
+        forgets: bool,
+        version: u16,
+        replay: Option<Replay>,
+        out: VecDeque<u8>,
+    }
+
+    impl Wire {
+        fn say(&mut self, message: &ToHost) {
+            self.out.extend([7, 0]);
+            for message in [&ToHost::Frame(Frame::default()), message] {
+                self.out.extend(link::encode(message, &mut [0; MAX_FRAME]).unwrap());
+            }
+        }
+    }
+
+    impl Write for Wire {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            for &byte in bytes {
+                match self.decoder.push::<ToBoard>(byte) {
+                    Some(Ok(ToBoard::Identify)) => self.say(&ToHost::Identity(Identity {
+                        firmware: link::text("0.1.0"),
+                        chip: link::text("stm32f405rg"),
+                        parameters: self.version,
+                        reset: None,
+                    })),
+                    Some(Ok(ToBoard::WriteParameters(new))) if new.limits.command_timeout == 1 => {
+                        self.say(&ToHost::Refused(Refusal::MotorsMayTurn));
+                    }
+                    Some(Ok(ToBoard::WriteParameters(new))) => {
+                        self.kept = Some(new);
+                        self.say(&ToHost::Saved);
+                    }
+                    Some(Ok(ToBoard::ReadParameters)) => {
+                        let kept = if self.forgets { None } else { self.kept };
+                        self.say(&ToHost::Parameters(
+                            kept.unwrap_or(Parameters { checked: true, ..parameters() }),
+                        ));
+                    }
+                    Some(Ok(ToBoard::Replay(sample))) => {
+                        if sample.number == 0 {
+                            self.replay = Some(Replay::new(&parameters(), &sample));
+                        }
+                        let answer = self.replay.as_mut().map(|replay| replay.step(&sample));
+                        self.say(&answer.map_or(ToHost::Refused(Refusal::NoReplay), ToHost::Replayed));
+                    }
+                    _ => {}
+                }
+            }
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Read for Wire {
+        fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+            self.out.read(bytes)
+        }
+    }
+
+    #[test]
+    fn parameters_are_sent_read_back_and_compared() {
+        let wire = Wire { version: parameters::VERSION, ..Wire::default() };
+        let mut board = Board::new(wire);
+        assert_eq!(board.identify().unwrap().chip, "stm32f405rg");
+        board.write(&parameters()).unwrap();
+        assert_eq!(board.port.kept, Some(parameters()));
+    }
+
+    #[test]
+    fn a_board_that_forgets_refuses_or_speaks_another_version_is_told() {
+        let mut forgetful = Board::new(Wire { forgets: true, ..Wire::default() });
+        assert!(forgetful.write(&parameters()).unwrap_err().to_string().contains("other parameters"));
+        let mut refused = parameters();
+        refused.limits.command_timeout = 1;
+        let error = Board::new(Wire::default()).write(&refused).unwrap_err();
+        assert!(error.to_string().contains("disarm"), "{error}");
+        let error = Board::new(Wire { version: 99, ..Wire::default() }).identify().unwrap_err();
+        assert!(error.to_string().contains("version 99"), "{error}");
+        assert_eq!(error.exit_status(), 1);
+    }
+
+    #[test]
+    fn a_record_comes_back_answered_in_order_and_its_beginning_must_be_there() {
+        let sample = |number| Sample {
+            number,
+            counts: PerAxis::new(3, -5),
+            volts: PerMotor::new(6.0, 0.5),
+            wanted: None,
+        };
+        let samples: Vec<Sample> = (0..6).map(sample).collect();
+        let mut board = Board::new(Wire::default());
+        assert!(board.replay(&samples[1..]).unwrap_err().to_string().contains("beginning"));
+        let mut board = Board::new(Wire::default());
+        let answers = board.replay(&samples).unwrap();
+        let mut here = Replay::new(&parameters(), &samples[0]);
+        assert!(samples.iter().zip(&answers).all(|(sample, answer)| here.step(sample).same_bits(answer)));
+        assert_eq!(answers.len(), samples.len());
+    }
+}
