@@ -125,26 +125,26 @@ pub const AERO2: ControllerSettings<f64> = ControllerSettings {
 pub const AERO_LAB: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 14.186240000449674,
-            rate: 20.91910953080603,
-            weight: 0.9715373865262097,
-            integral: 4.450100338922458,
+            position: 10.936591210128768,
+            rate: 16.85028651142968,
+            weight: 2.4098438005029044,
+            integral: 21.323632796242922,
         },
         IntegralGains {
-            position: 1.3132671370711584,
-            rate: 7.7000660167844535,
-            weight: 0.5062622064341556,
-            integral: 19.695293457125857,
+            position: 0.45422238698778894,
+            rate: 8.81470545772939,
+            weight: 0.2125606476987629,
+            integral: 18.651775528553927,
         },
     )),
     estimator: EstimatorSettings::Luenberger {
-        bandwidth: PerAxis::new(18.539630285472523, 30.12014711181773),
+        bandwidth: PerAxis::new(19.74674879823922, 24.21323725590469),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(8.748980311856094, 4.144887791615684),
+        bandwidth: PerAxis::new(8.121774023518011, 3.8864362268509622),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 0.2687667898749677 },
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.12915033843629098 },
     lead: None,
     cancellation: None,
 };

@@ -19,7 +19,7 @@ use twinrotor::replay::{Replay, Replayed, Sample};
 
 /// \[s\] Reach, to either side, of the cubics that the true rates are taken from: with which they are nearest to rates that are
 /// known, on simulated runs of an Aero (a test). Pitch has half as many counts a turn as yaw, and so takes a longer one.
-pub const SMOOTHER_REACH: PerAxis<f64> = PerAxis { pitch: 0.15, yaw: 0.1 };
+pub const SMOOTHER_REACH: PerAxis<f64> = PerAxis { pitch: 0.15, yaw: 0.12 };
 /// Part of an axis' fastest rate below which it is no longer on its way.
 const SLOW: f64 = 0.05;
 
