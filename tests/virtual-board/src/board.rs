@@ -100,6 +100,8 @@ pub struct Board {
     /// The counts already turned into the timers.
     turned: [i64; 2],
     amplifiers: Amplifiers,
+    /// The serial port's pins are in the right function.
+    speaks: bool,
     protects_memory: bool,
 }
 
@@ -120,7 +122,14 @@ impl Board {
         let mut chip = Stm32f405::new(seed)?;
         let (port, _) = wiring::SERIAL;
         chip.serial(port).attach(Line::default());
-        Ok(Self { chip, inputs: Inputs::default(), turned: [0; 2], amplifiers, protects_memory })
+        Ok(Self {
+            chip,
+            inputs: Inputs::default(),
+            turned: [0; 2],
+            amplifiers,
+            speaks: false,
+            protects_memory,
+        })
     }
 
     /// The microcontroller.
@@ -174,6 +183,7 @@ impl Board {
                 });
             }
         }
+        self.connect_line();
         let (converter, channel, divider) = wiring::SUPPLY;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few volts")]
         let millivolts = (supply / divider * 1000.0).round().max(0.0) as u32;
@@ -181,11 +191,10 @@ impl Board {
         self.chip.watch_rail(at);
     }
 
-    /// The serial line, which may begin to speak in the middle of a millisecond.
     fn connect_line(&mut self) {
         let (port, pins) = wiring::SERIAL;
-        let connected = pins.into_iter().all(|pin| self.connected(pin));
-        let _ = self.chip.serial(port).silence(!connected);
+        self.speaks = pins.into_iter().all(|pin| self.connected(pin));
+        let _ = self.chip.serial(port).silence(!self.speaks);
     }
 
     /// What the board puts on its connectors at `at`.
@@ -254,7 +263,8 @@ impl Described for Board {
 }
 
 /// The part as the emulator sees it. What firmware does to a pin's function connects or disconnects it at the end of the
-/// millisecond, when the inputs are applied again, the serial line's excepted; looking at every stop would cost more than all the rest.
+/// millisecond, when the inputs are applied again; looking at every stop would cost more than all the rest. But the serial line
+/// is connected in the middle of a millisecond: what is said before would be lost.
 impl Mcu for Board {
     fn bus(&self) -> &rigless::soc::Bus {
         self.chip.bus()
@@ -270,7 +280,9 @@ impl Mcu for Board {
     }
 
     fn poll(&mut self, now: VirtualNanos) {
-        self.connect_line();
+        if !self.speaks {
+            self.connect_line();
+        }
         self.chip.poll(now);
     }
 

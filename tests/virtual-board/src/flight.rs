@@ -23,6 +23,8 @@ use crate::station::Station;
 
 /// \[ms\] From one setpoint of a scenario that moves to the next.
 const SETPOINT_EVERY: usize = 10;
+/// \[ms\] How often the board's state is looked at in flight.
+const LOOK_EVERY: u64 = 100;
 /// \[ms\] Until telemetry comes at the rate that was asked for: one frame at the rate before.
 const TO_FULL_RATE: u64 = 20;
 /// \[ms\] Longest that anything on the ground may take; the first-power check is the longest.
@@ -101,10 +103,15 @@ pub fn fly(
     let first = station.heard.frames.len();
     let mut blown = PerMotor::zero();
     let mut sent = Reference::at_rest(PerAxis::both(0.0));
+    let mut left = 0;
     for (references, disturbances) in
         references.chunks(SETPOINT_EVERY).zip(disturbances.chunks(SETPOINT_EVERY))
     {
         let (reference, disturbance) = (references[0], disturbances[0]);
+        // Nothing is looked at or touched more often than it must be: that stops the emulator.
+        if reference != sent || disturbance != blown || left >= LOOK_EVERY {
+            stay(station, std::mem::take(&mut left), told)?;
+        }
         if reference != sent {
             station.send(&ToBoard::Control(Wish::Setpoint(reference)));
             sent = reference;
@@ -113,12 +120,19 @@ pub fn fly(
             station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturbance = disturbance);
             blown = disturbance;
         }
-        wait(station, references.len() as u64, told)?;
-        if station.heard.state() != Some(State::Armed) {
-            return Err(Failure(format!("the board left the air: {}", station.heard.summary())));
-        }
+        left += references.len() as u64;
     }
+    stay(station, left, told)?;
     Ok(recorded(&station.heard.frames[first..], rig, scenario, &references))
+}
+
+/// Flies on; the board must still be armed then.
+fn stay(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
+    wait(station, milliseconds, told)?;
+    if station.heard.state() == Some(State::Armed) {
+        return Ok(());
+    }
+    Err(Failure(format!("the board left the air: {}", station.heard.summary())))
 }
 
 /// The reference is the scenario's: what telemetry calls so has been through the controller's command filter.

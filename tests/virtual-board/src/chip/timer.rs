@@ -322,9 +322,9 @@ impl Device for Timer {
         registers: &mut RegisterFile,
         context: &mut DeviceContext<'_>,
     ) {
-        let failed = request.instance == "RCC"
+        let failed = request.level == Level::High
             && request.request == rcc::CLOCK_FAILURE
-            && request.level == Level::High;
+            && request.instance == "RCC";
         if failed {
             self.settle(registers, context);
             self.break_on_clock_failure(registers, context);
