@@ -28,8 +28,9 @@ use twinrotor::plant::PlantParameters;
 use twinrotor::plant::presets::Rig;
 use windows::{Run, Window};
 
-/// \[s\] Length of the windows that constants are fitted to, when nothing else is said: long enough to tell friction from damping.
-pub const WINDOW: f64 = 5.0;
+/// \[s\] Length of the windows that constants are fitted to, when nothing else is said: long enough to tell friction from damping, and
+/// short enough that a real rig's whims do not add up. Logs that were kept out decided (docs/identify.md).
+pub const WINDOW: f64 = 3.5;
 /// Part of an angle's standard deviation from which on a residual is an outlier, when nothing else is said.
 pub const THRESHOLD: f64 = 0.3;
 
