@@ -4,8 +4,6 @@ use crate::axes::PerAxis;
 use crate::real::Real;
 use core::fmt;
 
-// None of these is inlined: a board calls them a hundred times at most, once, and its flash is small.
-
 /// A value that cannot be used: which, what it is, what is allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Invalid<R = f64> {
@@ -24,6 +22,8 @@ impl<R: fmt::Display> fmt::Display for Invalid<R> {
 }
 
 impl<R: fmt::Debug + fmt::Display> core::error::Error for Invalid<R> {}
+
+// None of these is inlined: a board calls them a hundred times at most, once, and its flash is small.
 
 /// Requires a finite number above zero.
 #[inline(never)]

@@ -56,7 +56,7 @@ fn observers_with_a_true_model_beat_the_filtered_derivative() {
     assert!(extended < 0.2 * derivative, "{extended} {derivative}");
 }
 
-/// Friction that is left out biases the rate by 2 F/(I ω) of its sign; believed in, it costs a tenth of that.
+/// Friction that is left out biases the rate by 2 F/(I ω), against the motion; believed in, less than half of the error is left.
 #[test]
 fn an_observer_that_believes_in_friction_is_not_biased_by_it() {
     let frictionless = PlantParameters { coulomb_friction: PerAxis::zero(), ..presets::AERO_LAB.plant };
