@@ -179,6 +179,8 @@ impl Operator {
         self.storage.save(&parameters)?;
         tick::adopt(&parameters, &aside);
         self.parameters = parameters;
+        // Half a record with one controller and half with another would be neither's.
+        *self.replay = None;
         Ok(())
     }
 

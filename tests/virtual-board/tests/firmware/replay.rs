@@ -68,3 +68,17 @@ fn a_record_that_does_not_begin_is_refused() {
     assert_eq!(station.heard.refusals, [Refusal::NoReplay]);
     assert!(station.heard.replayed.is_empty());
 }
+
+#[test]
+fn other_parameters_end_a_record() {
+    let (rig, parameters) = record::tuned(record::BUILT_IN);
+    let samples = samples(&log(&rig), &rig, None);
+    let mut station = board_with(&rig, &parameters);
+    station.run(100);
+    assert_eq!(station.replay(&samples[..4]).map(|answers| answers.len()), Ok(4));
+    station.send(&ToBoard::WriteParameters(parameters));
+    assert!(station.run_until(2_000, |heard| heard.saved == 1));
+    station.send(&ToBoard::Replay(samples[4]));
+    station.run(20);
+    assert_eq!(station.heard.refusals, [Refusal::NoReplay]);
+}
