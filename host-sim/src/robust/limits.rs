@@ -13,7 +13,8 @@ pub struct Limit {
 }
 
 /// The numbers that can be limited, as `compare --json` spells them, in its units.
-const NUMBERS: [(&str, Number); 12] = [
+const NUMBERS: [(&str, Number); 13] = [
+    ("failures", |r| r.failures as f64),
     ("settling_time_2.pitch", |r| r.settling_time_2.pitch),
     ("settling_time_2.yaw", |r| r.settling_time_2.yaw),
     ("settling_p95.pitch", |r| r.settling_p95.pitch),
@@ -35,13 +36,14 @@ impl Limit {
             || Failure::Input(format!("--at-most is '{text}'; allowed: such as overshoot_p95.yaw=2"));
         let (name, most) = text.split_once('=').ok_or_else(refuse)?;
         let number = *known_name("--at-most", name, &NUMBERS)?;
-        let most = at_least(&format!("--at-most {name}"), most.parse().map_err(|_| refuse())?, 0.0, true)?;
+        let most = at_least(&format!("--at-most {name}"), most.parse().map_err(|_| refuse())?, 0.0, false)?;
         Ok(Self { number, most })
     }
 
-    /// By what part of itself it is exceeded, 0 if it is kept.
+    /// By what part of itself it is exceeded, 0 if it is kept; a limit of 0 by the number that exceeds it.
     pub fn excess(&self, row: &Row) -> f64 {
-        ((self.number)(row) / self.most - 1.0).max(0.0)
+        let number = (self.number)(row);
+        if self.most > 0.0 { (number / self.most - 1.0).max(0.0) } else { number }
     }
 }
 
@@ -59,6 +61,8 @@ mod tests {
         let excess = |text: &str| Limit::parse(text).unwrap().excess(&row);
         assert!((excess("overshoot_p95.pitch=2") - 0.5).abs() < 1e-12);
         assert_eq!(excess("overshoot_p95.yaw=2"), 0.0);
+        assert_eq!(excess("failures=0"), 3.0);
+        assert_eq!(excess("failures=3"), 0.0);
     }
 
     #[test]
@@ -67,7 +71,7 @@ mod tests {
             "overshoot_p95.yaw",
             "roll=2",
             "hold_rms_deg.yaw=x",
-            "hold_rms_deg.yaw=0",
+            "hold_rms_deg.yaw=-1",
             "hold_rms_deg.yaw=NaN",
         ] {
             assert!(Limit::parse(text).unwrap_err().to_string().contains("--at-most"), "{text}");
