@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tunes the committed gains of every preset, or of those named, from their seeds: the same files, byte for byte.
-# About a minute for each preset on two cores.
+# Three to five minutes for each preset on two cores.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --release -q -p host-sim
@@ -12,52 +12,76 @@ search() {
         --population 25 --iterations 39 "$@"
 }
 
-# tune PRESET CONTROLLER FILE [LIMITS]: from the design on 32 plants, from there on 128.
+# tune PRESET CONTROLLER FILE SEED [LIMITS]: from the design on 32 plants, from there on 256, from there on 1,024.
 tune() {
-    search --preset "$1" --controller "$2" --rounds 4 --plants 32 --seed 1 --out "$rough/start.toml"
-    search --preset "$1" --start "$rough/start.toml" --rounds 3 --range 1.6 --plants 128 --seed 2 ${4:+--at-most "$4"} --out "$3"
+    preset=$1 file=$3 seed=$4 limits=${5:+--at-most $5}
+    search --preset "$preset" --controller "$2" --rounds 4 --plants 32 --seed "$seed" --out "$rough/first.toml"
+    seed=$((seed + 1))
+    # shellcheck disable=SC2086  # two words or none
+    search --preset "$preset" --start "$rough/first.toml" --rounds 4 --range 1.8 --plants 256 --seed $seed $limits \
+        --out "$rough/second.toml"
+    # shellcheck disable=SC2086
+    search --preset "$preset" --start "$rough/second.toml" --rounds 3 --range 1.4 --plants 1024 --seed $seed $limits \
+        --out "$file"
 }
 
-# tune_near PRESET START FILE LIMITS: what is near START.
+# tune_tight PRESET CONTROLLER FILE SEED LIMITS LIMITS: where limits leave little room, further and towards them in two steps.
+tune_tight() {
+    search --preset "$1" --controller "$2" --rounds 4 --plants 32 --seed "$4" --out "$rough/first.toml"
+    search --preset "$1" --start "$rough/first.toml" --rounds 5 --range 2.5 --plants 256 --seed $(($4 + 1)) \
+        --at-most "$5" --out "$rough/second.toml"
+    search --preset "$1" --start "$rough/second.toml" --rounds 5 --range 2 --plants 512 --seed $(($4 + 1)) \
+        --at-most "$6" --out "$3"
+}
+
+# tune_near PRESET START FILE LIMITS: what is near START, with its observer.
 tune_near() {
-    search --preset "$1" --start "$2" --rounds 1 --range 1.1 --plants 256 --seed 2 --at-most "$4" --out "$3"
+    search --preset "$1" --start "$2" --parameters pitch,yaw,allocation,filter.bandwidth,filter.damping,filter.advance \
+        --rounds 3 --range 2 --plants 256 --seed 2 --at-most "$4" --out "$3"
 }
 
 for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
-    # Where lead or cancellation gain little, or where a motor faster than believed would make them a limit cycle: without.
-    case $name in
-        paper) controller=integral ;;
-        *) controller=cancelling ;;
-    esac
-    # With these, what laboratories fly today is worse not only in the sum but in its terms (docs/rig-law.md names the exceptions).
+    # Without lead and cancellation where they gain little, or where motors faster than believed would make them a limit cycle. With
+    # these limits, what laboratories fly today is worse not only in the sum but in its terms (docs/rig-law.md).
     # They are a little below what is asked for, since other plants are flown than are tuned on.
+    controller=cancelling seed=1
     case $name in
         paper)
-            limits=settling_time_2.yaw=0.81,overshoot_p95.pitch=1.7,overshoot_p95.yaw=2,disturbance_rms_deg.yaw=0.107
+            controller=integral
+            limits=settling_time_2.pitch=0.76,settling_time_2.yaw=0.81,settling_p95.pitch=0.87,settling_p95.yaw=0.87
+            limits=$limits,overshoot_p95.pitch=1.3,overshoot_p95.yaw=0.19,disturbance_rms_deg.yaw=0.107,failures=0
             ;;
         paper-fixed)
-            limits=settling_time_2.pitch=1.28,settling_time_2.yaw=1.17,overshoot_p95.pitch=2,overshoot_p95.yaw=2.5
-            limits=$limits,disturbance_rms_deg.pitch=0.0505,disturbance_rms_deg.yaw=0.0415
-            limits=$limits,hold_rms_deg.pitch=0.0465,hold_rms_deg.yaw=0.0335
+            accuracy=hold_rms_deg.pitch=0.0465,hold_rms_deg.yaw=0.0335
+            first=settling_time_2.pitch=1.28,settling_time_2.yaw=1.19,overshoot_p95.pitch=1.1,overshoot_p95.yaw=1.6
+            first=$first,disturbance_rms_deg.pitch=0.0505,disturbance_rms_deg.yaw=0.0415,$accuracy
+            limits=settling_time_2.pitch=1.27,settling_time_2.yaw=1.19,overshoot_p95.pitch=0.9,overshoot_p95.yaw=1.5
+            limits=$limits,disturbance_rms_deg.pitch=0.0503,disturbance_rms_deg.yaw=0.0413,$accuracy
             ;;
-        aero) limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2 ;;
+        aero)
+            seed=5
+            limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2,settling_p95.pitch=2,voltage_variation=135,failures=0
+            ;;
         aero2)
             limits=disturbance_rms_deg.pitch=0.068,disturbance_rms_deg.yaw=0.084
-            limits=$limits,overshoot_p95.pitch=2.5,overshoot_p95.yaw=2.7
+            limits=$limits,overshoot_p95.pitch=2.5,overshoot_p95.yaw=2.7,failures=0
+            ;;
+        aero-lab)
+            # Gentler than the cheapest: what fails on reversals is warm motors.
+            limits=overshoot_p95.pitch=1.8,overshoot_p95.yaw=1.5,settling_p95.pitch=1.5,voltage_variation=80,failures=0
             ;;
         heli)
             limits=disturbance_rms_deg.pitch=0.124,disturbance_rms_deg.yaw=0.094
-            limits=$limits,hold_rms_deg.pitch=0.0255,hold_rms_deg.yaw=0.0155
+            limits=$limits,hold_rms_deg.pitch=0.0255,hold_rms_deg.yaw=0.0155,failures=0
             ;;
     esac
     case $name in
-        aero-lab)
-            tune_near "$name" gains/starts/aero-lab.toml "gains/$name.toml" overshoot_p95.pitch=1.8,overshoot_p95.yaw=1.5
-            ;;
-        *) tune "$name" "$controller" "gains/$name.toml" "$limits" ;;
+        paper-fixed) tune_tight "$name" "$controller" "gains/$name.toml" $seed "$first" "$limits" ;;
+        aero-lab) tune_near "$name" gains/starts/aero-lab.toml "gains/$name.toml" "$limits" ;;
+        *) tune "$name" "$controller" "gains/$name.toml" $seed "$limits" ;;
     esac
     # Where another kind, tuned so without limits, wins by a little.
     case $name in
-        paper | paper-fixed) tune "$name" pid-plus "gains/choices/$name-pid-plus.toml" ;;
+        paper | paper-fixed) tune "$name" pid-plus "gains/choices/$name-pid-plus.toml" 1 ;;
     esac
 done

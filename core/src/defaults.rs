@@ -13,26 +13,28 @@ use crate::lead::Lead;
 pub const PAPER: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 5.335300539775662,
-            rate: 71.39013020251392,
-            weight: 0.948678428778969,
-            integral: 6.566179828146438,
+            position: 6.996050122966756,
+            rate: 55.95228932467351,
+            weight: 0.822280169398995,
+            integral: 10.20892208523065,
         },
         IntegralGains {
-            position: 4.522745799880962,
-            rate: 30.994331561865316,
-            weight: 0.6704532383002693,
-            integral: 17.93610834023257,
+            position: 7.3705708766871245,
+            rate: 25.962167744196226,
+            weight: 2.7737987840280813,
+            integral: 24.505059568730818,
         },
     )),
     estimator: EstimatorSettings::Luenberger {
-        bandwidth: PerAxis::new(378.1249431175186, 161.01262242165143),
+        bandwidth: PerAxis::new(366.0091384856486, 199.9236641426961),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(11.371811018368529, 9.280927515501558),
+        bandwidth: PerAxis::new(11.120170075181028, 8.848279117762495),
+        damping: Some(PerAxis::new(1.1013362885907558, 1.0560984780741236)),
+        advance: Some(PerAxis::new(0.08376013821696637, 0.1440932661036159)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 1.3142934015571395 },
+    allocation: AllocationSettings::Weighted { pitch_weight: 1.4947002094755422 },
     lead: None,
     cancellation: None,
 };
@@ -41,110 +43,118 @@ pub const PAPER: ControllerSettings<f64> = ControllerSettings {
 pub const PAPER_FIXED: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 7.96679643464321,
-            rate: 6.9872698229528,
-            weight: 0.3793128886655423,
-            integral: 14.253518683793473,
+            position: 10.810547171548155,
+            rate: 5.531790680604438,
+            weight: 1.1055907107902954,
+            integral: 22.796745214168027,
         },
         IntegralGains {
-            position: 9.610276718405654,
-            rate: 6.5655389958364445,
-            weight: 0.3772532912465324,
-            integral: 19.957974287082063,
+            position: 6.7685244870970696,
+            rate: 7.568897614156246,
+            weight: 0.11344385510375389,
+            integral: 13.279476390353466,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(29.330905625414125, 25.975198539001116),
+        bandwidth: PerAxis::new(28.864088518981678, 29.266292501829987),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(5.078836969786465, 5.644157909228391),
+        bandwidth: PerAxis::new(14.747736371232548, 11.838036974533976),
+        damping: Some(PerAxis::new(3.230710391923667, 2.32765309553848)),
+        advance: Some(PerAxis::new(0.04896828858888367, 0.02710225290469658)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 2.282859738781614 },
-    lead: Some(Lead { factor: 2.9762976711255194 }),
-    cancellation: Some(PerAxis::new(0.20145307627936818, 0.2408698764172363)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 1.7024710279536395 },
+    lead: Some(Lead { factor: 3.3983211817327694 }),
+    cancellation: Some(PerAxis::new(0.13001409878440218, 0.4005506928353708)),
 };
 
 /// For [`presets::AERO`](crate::plant::presets::AERO): `gains/aero.toml`.
 pub const AERO: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 4.621914209427116,
-            rate: 5.532388463675461,
-            weight: 0.32898206539421543,
-            integral: 1.8022781020011969,
+            position: 5.723452436581236,
+            rate: 4.738648480099153,
+            weight: 1.0490780486510118,
+            integral: 2.997035690185546,
         },
         IntegralGains {
-            position: 2.4727567697135933,
-            rate: 5.055183664937737,
-            weight: 1.8707446170419841,
-            integral: 3.7828824158292242,
+            position: 3.4692095179823417,
+            rate: 6.219582065565533,
+            weight: 0.3418800492015123,
+            integral: 3.967113583507116,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(14.076070114219657, 28.11745473759024),
+        bandwidth: PerAxis::new(20.36895104385217, 28.897600250116746),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(4.53633177123163, 4.151320652290522),
+        bandwidth: PerAxis::new(3.585785771716216, 3.2873237234052723),
+        damping: Some(PerAxis::new(0.80655089510031, 0.768542727238165)),
+        advance: Some(PerAxis::new(0.020935139121016695, 0.0630942298442402)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 2.3350288849078935 },
-    lead: Some(Lead { factor: 4.538692717140932 }),
-    cancellation: Some(PerAxis::new(0.2597324788003398, 0.42617181281482985)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 2.4209373432597197 },
+    lead: Some(Lead { factor: 2.566480061455506 }),
+    cancellation: Some(PerAxis::new(0.23036049260032748, 0.23690884171894247)),
 };
 
 /// For [`presets::AERO2`](crate::plant::presets::AERO2): `gains/aero2.toml`.
 pub const AERO2: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 4.185798219597297,
-            rate: 1.3260360185271525,
-            weight: 0.7292766122530333,
-            integral: 3.2010102598243995,
+            position: 3.49480998142749,
+            rate: 3.2555657897101513,
+            weight: 1.9624931026896217,
+            integral: 2.7369192267069384,
         },
         IntegralGains {
-            position: 2.031178645571389,
-            rate: 2.7678604897160946,
-            weight: 0.24243875975780188,
-            integral: 1.9857489699721904,
+            position: 2.6036978910779323,
+            rate: 0.7119209426531611,
+            weight: 0.40372044412924996,
+            integral: 3.2230982375729145,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(9.338262060516266, 18.79236726729599),
+        bandwidth: PerAxis::new(14.376125584087669, 22.985706923827845),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(3.2059291137442876, 2.1367269806177998),
+        bandwidth: PerAxis::new(2.482447213223025, 2.3798624193136217),
+        damping: Some(PerAxis::new(0.9114947417489543, 1.1348313042524403)),
+        advance: Some(PerAxis::new(0.506849149929818, 0.37417395832861844)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 2.4417642069053276 },
-    lead: Some(Lead { factor: 4.281960557118461 }),
-    cancellation: Some(PerAxis::new(0.18456237188781843, 0.2895568690710204)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 1.4988688654109872 },
+    lead: Some(Lead { factor: 1.8024648241490548 }),
+    cancellation: Some(PerAxis::new(0.13632432984551957, 0.8252273218081545)),
 };
 
 /// For [`presets::AERO_LAB`](crate::plant::presets::AERO_LAB): `gains/aero-lab.toml`.
 pub const AERO_LAB: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 10.936591210128768,
-            rate: 16.85028651142968,
-            weight: 2.4098438005029044,
-            integral: 21.323632796242922,
+            position: 8.198833261073418,
+            rate: 6.916590856585199,
+            weight: 2.050579161429943,
+            integral: 40.48534928725755,
         },
         IntegralGains {
-            position: 0.45422238698778894,
-            rate: 8.81470545772939,
-            weight: 0.2125606476987629,
-            integral: 18.651775528553927,
+            position: 0.6116378942499915,
+            rate: 8.210480031412427,
+            weight: 0.2549527024867946,
+            integral: 16.13682254655964,
         },
     )),
     estimator: EstimatorSettings::Luenberger {
         bandwidth: PerAxis::new(19.74674879823922, 24.21323725590469),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(8.121774023518011, 3.8864362268509622),
+        bandwidth: PerAxis::new(5.905926218486964, 3.4741636626167147),
+        damping: Some(PerAxis::new(0.8929919846670171, 0.9399699763220435)),
+        advance: Some(PerAxis::new(0.019774319123395955, 0.020756671831023327)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 0.12915033843629098 },
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.20779602348581697 },
     lead: None,
     cancellation: None,
 };
@@ -153,28 +163,30 @@ pub const AERO_LAB: ControllerSettings<f64> = ControllerSettings {
 pub const HELI: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 9.35892162108853,
-            rate: 12.006198124869808,
-            weight: 0.44725290365866444,
-            integral: 23.24499609734522,
+            position: 9.08012104572903,
+            rate: 21.01841956762598,
+            weight: 0.7771319207842456,
+            integral: 24.467736383450138,
         },
         IntegralGains {
-            position: 4.3011625447193405,
-            rate: 17.500059405150388,
-            weight: 2.1625283231057124,
-            integral: 9.971091117477263,
+            position: 14.036385123209968,
+            rate: 10.00084135856904,
+            weight: 1.2482575735781287,
+            integral: 29.410533020142598,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(49.3594580799479, 40.42273637737018),
+        bandwidth: PerAxis::new(92.00172669963361, 64.86142243950457),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(7.199383431013751, 7.8235773571055125),
+        bandwidth: PerAxis::new(7.266908666803452, 6.488304388558867),
+        damping: Some(PerAxis::new(0.9819449274260853, 0.7940183850202015)),
+        advance: Some(PerAxis::new(0.09154159896597366, 0.1282965945379595)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 0.3261878622012514 },
-    lead: Some(Lead { factor: 9.109926530972674 }),
-    cancellation: Some(PerAxis::new(0.4932282435260368, 0.3924066399405477)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.7221374554617485 },
+    lead: Some(Lead { factor: 2.6022047419223497 }),
+    cancellation: Some(PerAxis::new(0.3394254210766847, 0.44595241709039907)),
 };
 
 /// Every default by its preset's name.

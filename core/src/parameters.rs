@@ -15,7 +15,7 @@ use crate::validate::Invalid;
 use serde::{Deserialize, Serialize};
 
 /// Version of the record. Another one on flash is not read: the numbers would mean something else.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 
 /// \[s\] From tick to tick on a board.
 pub const SAMPLE_TIME: f64 = 1e-3;

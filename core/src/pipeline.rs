@@ -202,9 +202,9 @@ impl<R: Real> Pipeline<R> {
     /// The second half of a tick: what to do about it.
     #[inline(always)]
     pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Command<R> {
-        let reference = match &mut self.filter {
+        let reference = *match &mut self.filter {
+            None => setpoint,
             Some(filter) => filter.step(setpoint),
-            None => *setpoint,
         };
         let now = Situation::new(&self.model, belief, reference);
         let torque = self.law.torque(&now);
@@ -235,7 +235,7 @@ impl<R: Real> Pipeline<R> {
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
         self.law.settle(&now, &allocation);
-        Command { estimate: now.estimate, reference: reference.angle, allocation }
+        Command { estimate: now.estimate, reference: now.reference.angle, allocation }
     }
 
     /// \[V\] The limits in force.

@@ -93,7 +93,12 @@ mod tests {
     use twinrotor::gains;
 
     fn filtered() -> ControllerSettings<f64> {
-        let filter = Some(FilterSettings { bandwidth: PerAxis::new(12.0, 9.0), reach: None });
+        let filter = Some(FilterSettings {
+            bandwidth: PerAxis::new(12.0, 9.0),
+            damping: None,
+            advance: None,
+            reach: None,
+        });
         ControllerSettings { filter, ..ControllerSettings::paper(gains::PAPER) }
     }
 
@@ -119,7 +124,12 @@ mod tests {
 
     #[test]
     fn the_filters_reach_is_tuned_when_it_is_named() {
-        let filter = FilterSettings { bandwidth: PerAxis::both(5.0), reach: Some(PerAxis::new(0.3, 0.8)) };
+        let filter = FilterSettings {
+            bandwidth: PerAxis::both(5.0),
+            damping: None,
+            advance: None,
+            reach: Some(PerAxis::new(0.3, 0.8)),
+        };
         let reaching = ControllerSettings { filter: Some(filter), ..filtered() };
         assert!(!Tunable::new(&reaching, &[]).unwrap().names().iter().any(|name| name.contains("reach")));
         let named = Tunable::new(&reaching, &["filter.reach".into()]).unwrap();

@@ -153,17 +153,25 @@ fn integral_law(w: f64) -> LawSettings<f64> {
     LawSettings::IntegralBackstepping(PerAxis::both(gains))
 }
 
+/// For rotors that a lead makes `quicker` by that factor.
+fn filter(rig: &Rig, quicker: f64) -> FilterSettings<f64> {
+    let lag = rig.plant.rotor_time_constant;
+    FilterSettings {
+        bandwidth: PerAxis::both(0.7 * bandwidth(rig)),
+        damping: Some(PerAxis::both(0.8)),
+        advance: Some(PerAxis::new(lag.main, lag.tail).scaled(1.0 / quicker)),
+        // What it is tuned on is the most that it is asked for.
+        reach: Some(STEP_DEG.map(f64::to_radians)),
+    }
+}
+
 /// A law with the observer, the filter and the allocation of ours.
 fn assisted(rig: &Rig, law: LawSettings<f64>) -> ControllerSettings<f64> {
     let w = bandwidth(rig);
     ControllerSettings {
         law,
         estimator: EstimatorSettings::Luenberger { bandwidth: PerAxis::both(8.0 * w) },
-        filter: Some(FilterSettings {
-            bandwidth: PerAxis::both(0.7 * w),
-            // What it is tuned on is the most that it is asked for.
-            reach: Some(STEP_DEG.map(f64::to_radians)),
-        }),
+        filter: Some(filter(rig, 1.0)),
         allocation: AllocationSettings::Weighted { pitch_weight: 1.5 },
         lead: None,
         cancellation: None,
@@ -176,9 +184,11 @@ fn integral(rig: &Rig) -> ControllerSettings<f64> {
 
 fn cancelling(rig: &Rig) -> ControllerSettings<f64> {
     let w = bandwidth(rig);
+    let lead = Lead { factor: 1.2 };
     ControllerSettings {
         estimator: EstimatorSettings::ExtendedState { bandwidth: PerAxis::both(3.0 * w) },
-        lead: Some(Lead { factor: 1.2 }),
+        filter: Some(filter(rig, lead.factor)),
+        lead: Some(lead),
         cancellation: Some(PerAxis::both(0.5)),
         ..integral(rig)
     }
