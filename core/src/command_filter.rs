@@ -10,7 +10,7 @@
 //! leaves an error that dies with the jerk, never an instability, as a lead in the loop can ([`lead`](crate::lead)).
 //!
 //! The error q_d - r is clamped to the filter's reach. Within it nothing changes; a longer way is gone at the steady rate
-//! ω reach/(1 + 2 ζ), and for ζ from .6 to 1 no way asks for more acceleration than 1.02 times what a step of that size asks for: a
+//! ω reach/(1 + 2 ζ), and for ζ of at least .6 no way asks for more acceleration than 1.02 times what a step of that size asks for: a
 //! controller that is tried on the one holds on the other
 //! (a command filter with a limited rate, as in Farrell, Polycarpou, Sharma and Dong, "Command filtered backstepping", IEEE
 //! Transactions on Automatic Control 54(6), 2009). From that rate it overshoots by no larger a part of the reach than a step does of itself; with ζ = 1
@@ -206,13 +206,16 @@ mod tests {
     #[test]
     fn a_far_goal_asks_for_hardly_more_than_one_within_reach() {
         let reach = 0.5;
-        for damping in [1.0, 0.8, 0.6] {
+        for damping in [3.0, 1.0, 0.8, 0.6] {
             let free = FilterSettings { damping: Some(PerAxis::both(damping)), ..settings(4.0) };
             let limited = FilterSettings { reach: Some(PerAxis::both(reach)), ..free };
             let [near, far] = [reach, -3.0].map(|goal| jump(&limited, goal, 12_000));
             assert_eq!(near, jump(&free, reach, 12_000));
             let [gentle, strong] = [&near, &far].map(|flight| most(flight, |r| r.accel.yaw) / (16.0 * reach));
             assert!(gentle < strong && strong < 1.021 * gentle, "ζ = {damping}: {strong} {gentle}");
+            if damping > 1.0 {
+                continue; // It creeps.
+            }
             assert!(damping < 1.0 || ((gentle - 0.2306).abs() < 1e-3 && (strong - 0.2331).abs() < 1e-3));
             let steady = 4.0 * reach / (1.0 + 2.0 * damping);
             let swing = most(&near, |r| r.angle.yaw) - reach;
