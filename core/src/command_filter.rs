@@ -106,7 +106,7 @@ impl<R: Real> CommandFilter<R> {
         self.asked = self.now;
     }
 
-    /// What to follow in this tick, in which `wanted` is the operator's wish.
+    /// What to follow in this tick, in which `wanted` is the operator's command.
     #[inline(always)]
     pub fn step(&mut self, wanted: &Reference<R>) -> &Reference<R> {
         let now = self.now;

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub const PUSH_TICKS: u32 = 1_500;
 /// \[ticks\] Without a count on either encoder: the rig lies still. Long enough that the turning point of a slow swing (an
 /// Aero's period is 5 s) does not count as rest.
-pub const STILL_TICKS: u32 = 1_500;
+pub const REST_TICKS: u32 = 1_500;
 /// \[ticks\] Longest wait for that: an Aero 2 swings on for two minutes. A hand may stop it.
 pub const SETTLE_TICKS: u32 = 180_000;
 /// \[rad\] Motion on one axis that ends a push: enough to tell, too little to swing about.
@@ -176,7 +176,7 @@ impl FirstPowerCheck {
     pub fn step(&mut self, angle: PerAxis<f32>, still: u32) -> (PerMotor<f32>, Option<Verdict>) {
         self.ticks = self.ticks.saturating_add(1);
         match self.phase {
-            Phase::Settle(motor) if still >= STILL_TICKS => {
+            Phase::Settle(motor) if still >= REST_TICKS => {
                 self.start = angle;
                 self.enter(Phase::Push(motor));
             }

@@ -4,7 +4,7 @@
 //! occurs inside, so a receiver that comes late, or loses bytes, is in step again after the next one; what is damaged fails
 //! its CRC and is dropped.
 
-use crate::control_loop::Wish;
+use crate::control_loop::OperatorCommand;
 use crate::first_power::Verdict;
 use crate::parameters::{ParameterError, Parameters};
 use crate::replay::{Replayed, Sample};
@@ -37,7 +37,7 @@ pub enum ToBoard {
     /// Who are you? Answered by [`ToHost::Identity`].
     Identify,
     /// Something for the control loop; what came of it is in the telemetry.
-    Control(Wish),
+    Control(OperatorCommand),
     /// A frame every so many ticks from now on, 1 to 1000.
     Telemetry {
         /// \[ticks\]
@@ -268,11 +268,11 @@ mod tests {
             Just(ToBoard::Alive),
             Just(ToBoard::Identify),
             Just(ToBoard::ReadParameters),
-            Just(ToBoard::Control(Wish::Zero)),
-            Just(ToBoard::Control(Wish::Request(Request::Arm))),
+            Just(ToBoard::Control(OperatorCommand::Zero)),
+            Just(ToBoard::Control(OperatorCommand::Request(Request::Arm))),
             any::<u16>().prop_map(|every| ToBoard::Telemetry { every }),
             (pair(), pair(), pair()).prop_map(|(angle, rate, accel)| {
-                ToBoard::Control(Wish::Setpoint(Reference { angle, rate, accel }))
+                ToBoard::Control(OperatorCommand::Setpoint(Reference { angle, rate, accel }))
             }),
             (any::<u32>(), any::<[i32; 2]>(), pair(), prop::option::of(pair())).prop_map(
                 |(number, [pitch, yaw], volts, wanted)| {

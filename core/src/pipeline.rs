@@ -114,7 +114,7 @@ pub struct Pipeline<R> {
 
 /// What one tick came to.
 #[derive(Debug, Clone, Copy)]
-pub struct Command<R: Real> {
+pub struct Decision<R: Real> {
     /// What was believed.
     pub estimate: Estimate<R>,
     /// \[rad\] Where the law wanted to be: the setpoint, filtered where there is a filter.
@@ -123,7 +123,7 @@ pub struct Command<R: Real> {
     pub allocation: Allocation<R>,
 }
 
-impl<R: Real> Command<R> {
+impl<R: Real> Decision<R> {
     /// Motors off.
     pub fn idle(estimate: Estimate<R>, reference: PerAxis<R>) -> Self {
         Self { estimate, reference, allocation: Allocation::none() }
@@ -165,7 +165,7 @@ impl<R: Real> Pipeline<R> {
         measured: PerAxis<R>,
         applied: PerMotor<R>,
         setpoint: &Reference<R>,
-    ) -> Command<R> {
+    ) -> Decision<R> {
         let belief = self.believe(measured, applied);
         self.decide(belief, setpoint)
     }
@@ -195,13 +195,13 @@ impl<R: Real> Pipeline<R> {
 
     /// The whole tick in a world where the state is known (ideal fidelity).
     #[inline(always)]
-    pub fn act(&mut self, estimate: Estimate<R>, setpoint: &Reference<R>) -> Command<R> {
+    pub fn act(&mut self, estimate: Estimate<R>, setpoint: &Reference<R>) -> Decision<R> {
         self.decide(Belief::new(&self.model, estimate), setpoint)
     }
 
     /// The second half of a tick: what to do about it.
     #[inline(always)]
-    pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Command<R> {
+    pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Decision<R> {
         let reference = *match &mut self.filter {
             None => setpoint,
             Some(filter) => filter.step(setpoint),
@@ -235,7 +235,7 @@ impl<R: Real> Pipeline<R> {
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
         self.law.settle(&now, &allocation);
-        Command { estimate: now.estimate, reference: now.reference.angle, allocation }
+        Decision { estimate: now.estimate, reference: now.reference.angle, allocation }
     }
 
     /// \[V\] The limits in force.
@@ -255,7 +255,7 @@ impl Pipeline<f32> {
 
     /// See [`Pipeline::decide`].
     #[inline(never)]
-    pub fn decide_once(&mut self, belief: Belief<f32>, setpoint: &Reference<f32>) -> Command<f32> {
+    pub fn decide_once(&mut self, belief: Belief<f32>, setpoint: &Reference<f32>) -> Decision<f32> {
         self.decide(belief, setpoint)
     }
 }

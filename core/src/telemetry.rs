@@ -1,7 +1,7 @@
 //! Step 8 of the tick: what the tick saw, decided and did, raw; people's units come later, on the host.
 
 use crate::axes::{PerAxis, PerMotor};
-use crate::supervisor::{Conditions, State};
+use crate::supervisor::{Conditions, ArmState};
 use serde::{Deserialize, Serialize};
 
 /// One tick.
@@ -10,7 +10,7 @@ pub struct Frame {
     /// Which tick, counted from boot.
     pub tick: u32,
     /// Whether the motors may turn.
-    pub state: State,
+    pub state: ArmState,
     /// All that is wrong now.
     pub conditions: Conditions,
     /// \[rad\] Estimated angles.

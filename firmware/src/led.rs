@@ -4,18 +4,18 @@ use crate::shared::LED_PATTERN;
 use core::sync::atomic::Ordering;
 use embassy_stm32::gpio::{Level, Output};
 use embassy_time::{Duration, Ticker};
-use twinrotor::supervisor::State;
+use twinrotor::supervisor::ArmState;
 
 /// \[ms\] One bit of a pattern; a pattern is eight.
 const BIT_MS: u64 = 125;
 
 /// The pattern for a state, a bit at a time from the lowest.
-pub(crate) const fn pattern(state: State) -> u8 {
+pub(crate) const fn pattern(state: ArmState) -> u8 {
     match state {
-        State::Disarmed => 0b0000_1111,
-        State::Ready => 0b1111_1111,
-        State::Checking | State::Armed => 0b0101_0101,
-        State::Fault(_) => 0b0000_0101,
+        ArmState::Disarmed => 0b0000_1111,
+        ArmState::Ready => 0b1111_1111,
+        ArmState::Checking | ArmState::Armed => 0b0101_0101,
+        ArmState::Fault(_) => 0b0000_0101,
     }
 }
 

@@ -8,13 +8,13 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod aside;
+mod quiesce;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
 mod critical;
 #[cfg(target_os = "none")]
-mod last_words;
+mod reset_record;
 #[cfg(target_os = "none")]
 mod led;
 #[cfg(target_os = "none")]
@@ -40,14 +40,14 @@ use defmt_rtt as _;
 async fn main(spawner: embassy_executor::Spawner) {
     critical::lower_all_interrupts();
     stack::guard();
-    let reset = last_words::read_and_clear();
+    let reset = reset_record::read_and_clear();
     let board = board::start();
-    last_words::listen_to_supply();
+    reset_record::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
-    let (reports, wishes) =
+    let (reports, commands) =
         tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
     defmt::info!("{}: reset reported {}, {}", board::CHIP, reset.is_some(), provenance.name());
-    serial::start(spawner, board.serial, storage, parameters, reset, reports, wishes);
+    serial::start(spawner, board.serial, storage, parameters, reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
 

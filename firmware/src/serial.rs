@@ -1,8 +1,8 @@
 //! The serial link: commands in, answers and telemetry out, both by DMA, never in the way of a tick.
 
-use crate::aside::TickAside;
+use crate::quiesce::TickAside;
 use crate::board::CHIP;
-use crate::shared::{FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, Wishes};
+use crate::shared::{FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, Commands};
 use crate::storage::Storage;
 use crate::{stack, tick};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -37,14 +37,14 @@ pub(crate) fn start(
     parameters: Parameters,
     reset: Option<ResetReport>,
     reports: Reports,
-    wishes: Wishes,
+    commands: Commands,
 ) {
     static DMA_BUFFER: StaticCell<[u8; 512]> = StaticCell::new();
     static REPLAY: StaticCell<Option<Replay>> = StaticCell::new();
     let (sender, receiver) = uart.split();
     let receiver = receiver.into_ring_buffered(DMA_BUFFER.init([0; 512]));
     let replay = REPLAY.init_with(|| None);
-    let operator = Operator { storage, parameters, replay, reset, wishes };
+    let operator = Operator { storage, parameters, replay, reset, commands };
     spawner.spawn(receive(receiver, operator).expect("spawned once"));
     spawner.spawn(send(sender, reports).expect("spawned once"));
 }
@@ -144,7 +144,7 @@ struct Operator {
     /// The record under way. In a place of its own: the task that has it is moved when it is spawned.
     replay: &'static mut Option<Replay>,
     reset: Option<ResetReport>,
-    wishes: Wishes,
+    commands: Commands,
 }
 
 impl Operator {
@@ -152,8 +152,8 @@ impl Operator {
         match message {
             ToBoard::Alive => None,
             ToBoard::Identify => Some(self.identity()),
-            ToBoard::Control(wish) => {
-                let full = self.wishes.enqueue(wish).is_err();
+            ToBoard::Control(command) => {
+                let full = self.commands.enqueue(command).is_err();
                 full.then_some(ToHost::Refused(Refusal::Busy))
             }
             ToBoard::Telemetry { every } => {

@@ -2,20 +2,20 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer};
-use twinrotor::control_loop::Wish;
+use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::Verdict;
 use twinrotor::telemetry::Frame;
 
 /// Room for 80 ms of telemetry at 200 frames a second.
 pub(crate) const FRAMES: usize = 16;
 pub(crate) const VERDICTS: usize = 2;
-pub(crate) const WISHES: usize = 4;
+pub(crate) const COMMANDS: usize = 4;
 /// The thread's end of what the tick reports.
 pub(crate) struct Reports {
     pub(crate) frames: Consumer<'static, Frame>,
     pub(crate) verdicts: Consumer<'static, Verdict>,
 }
-pub(crate) type Wishes = Producer<'static, Wish>;
+pub(crate) type Commands = Producer<'static, OperatorCommand>;
 
 /// Something came over the link since the last tick.
 pub(crate) static HEARD: AtomicBool = AtomicBool::new(false);

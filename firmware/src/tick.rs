@@ -1,11 +1,11 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
-use crate::aside::{self, TickAside};
+use crate::quiesce::{self, TickAside};
 use crate::port::senses::Sensed;
 use crate::port::{EncoderPwmPort, PlantPort, amplifier};
 use crate::shared::{
     FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW, TICK_CYCLES_MAX, TICKS,
-    VERDICTS, WISHES, Wishes, take,
+    VERDICTS, COMMANDS, Commands, take,
 };
 use crate::storage::Provenance;
 use crate::{led, serial, watchdog};
@@ -17,7 +17,7 @@ use embassy_stm32::interrupt;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::StaticCell;
 use twinrotor::axes::PerMotor;
-use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::Parameters;
 use twinrotor::supervisor::{Condition, Conditions};
@@ -29,7 +29,7 @@ const TOO_LATE: u32 = 168_000 * 3 / 2;
 /// What the interrupt owns beside the control loop.
 struct Tick {
     port: EncoderPwmPort,
-    wishes: Consumer<'static, Wish>,
+    commands: Consumer<'static, OperatorCommand>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
     until_frame: u16,
@@ -61,13 +61,13 @@ pub(crate) fn start(
     parameters: &Parameters,
     provenance: Provenance,
     reset_cause: Option<Condition>,
-) -> (Reports, Wishes) {
+) -> (Reports, Commands) {
     static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
     static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
-    static WISH_QUEUE: StaticCell<Queue<Wish, WISHES>> = StaticCell::new();
+    static COMMAND_QUEUE: StaticCell<Queue<OperatorCommand, COMMANDS>> = StaticCell::new();
     let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
     let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
-    let (wish_end, wishes) = WISH_QUEUE.init(Queue::new()).split();
+    let (wish_end, commands) = COMMAND_QUEUE.init(Queue::new()).split();
     start_cycle_counter();
     #[expect(unsafe_code, reason = "the interrupt is not enabled yet")]
     // SAFETY: nobody else uses them now.
@@ -80,7 +80,7 @@ pub(crate) fn start(
         });
         (*TICK.0.get()).write(Tick {
             port,
-            wishes,
+            commands,
             frames,
             verdicts,
             until_frame: 0,
@@ -121,7 +121,7 @@ impl Tick {
         #[expect(unsafe_code, reason = "owned by this interrupt unless it stands aside")]
         // SAFETY: used where it does not stand aside, or does not yet.
         let control = || unsafe { (*CONTROL.0.get()).assume_init_mut() };
-        if aside::stands(|| control().core.state()) {
+        if quiesce::stands(|| control().core.state()) {
             self.port.write(PerMotor::default(), false);
         } else {
             self.control(control(), &sensed, missed);
@@ -139,7 +139,7 @@ impl Tick {
     /// The core's tick, and what it has to report.
     #[inline(always)]
     fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
-        let wish = self.wishes.peek();
+        let command = self.commands.peek();
         let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -151,12 +151,12 @@ impl Tick {
                 .with(Condition::TickOverrun, self.overrun | missed)
                 .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
             heard: take(&HEARD),
-            wish,
+            command,
         });
         self.port.write(outputs.duty, outputs.enable);
-        if wish.is_some() {
+        if command.is_some() {
             // What was peeked at is done with; nothing is moved.
-            let _ = self.wishes.dequeue();
+            let _ = self.commands.dequeue();
         }
         if let Some(verdict) = outputs.verdict {
             // There is one verdict a check, and checks take seconds: there is room.

@@ -5,19 +5,19 @@
 //! bits.
 
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::{ControlLoop, Inputs, Wish};
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::angle_per_count;
 use twinrotor::estimator::Estimate;
-use twinrotor::first_power::{Push, STILL_TICKS};
+use twinrotor::first_power::{Push, REST_TICKS};
 use twinrotor::monitor::SUPPLY_TICKS;
 use twinrotor::parameters::{EncoderScale, Limits, Parameters};
-use twinrotor::pipeline::{Command, Pipeline, Settings};
+use twinrotor::pipeline::{Decision, Pipeline, Settings};
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{Conditions, Request, State as ArmState};
+use twinrotor::supervisor::{Conditions, Request, ArmState};
 
 /// What happened in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ pub struct Tick<R: Real> {
     /// \[rad\] What was wanted.
     pub setpoint: PerAxis<R>,
     /// What the controller made of it.
-    pub command: Command<R>,
+    pub decision: Decision<R>,
     /// \[V\] What acted on the rotors from this tick to the next.
     pub applied: PerMotor<R>,
 }
@@ -68,10 +68,10 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
     #[inline(always)]
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
         let state = self.plant.state();
-        let command = self.pipeline.act(Estimate::exact(state), reference);
-        let applied = command.allocation.volts;
+        let decision = self.pipeline.act(Estimate::exact(state), reference);
+        let applied = decision.allocation.volts;
         self.plant.advance(applied, disturbance);
-        Tick { state, setpoint: reference.angle, command, applied }
+        Tick { state, setpoint: reference.angle, decision, applied }
     }
 }
 
@@ -176,11 +176,11 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
         let counts = self.encoders.counts(state.angle);
         let measured = counts.zip(self.angle_per_count, |c, a| c * a);
         let applied = self.latched;
-        let command = self.pipeline.tick(measured, applied, reference);
-        let duty = self.drive.duty(command.allocation.volts, self.supply);
+        let decision = self.pipeline.tick(measured, applied, reference);
+        let duty = self.drive.duty(decision.allocation.volts, self.supply);
         self.latched = self.drive.volts(duty, self.supply);
         self.plant.advance(applied, disturbance);
-        Tick { state, setpoint: reference.angle, command, applied }
+        Tick { state, setpoint: reference.angle, decision, applied }
     }
 }
 
@@ -222,21 +222,21 @@ impl BoardLoop {
         let drive = Drive::new(hardware.pwm_steps);
         let control = ControlLoop::new(&parameters, counters(counts), drive, None);
         let mut board = Self { plant, encoders, control, drive, supply, latched: PerMotor::zero() };
-        for _ in 0..STILL_TICKS.max(SUPPLY_TICKS) {
+        for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
             board.step(None);
         }
-        board.step(Some(Wish::Zero));
+        board.step(Some(OperatorCommand::Zero));
         board.step(None);
         board
     }
 
     /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that for good.
     pub fn is_armed(&self) -> bool {
-        self.control.state() == twinrotor::supervisor::State::Armed
+        self.control.state() == twinrotor::supervisor::ArmState::Armed
     }
 
     /// The board's tick; the plant stands still.
-    fn step(&mut self, wish: Option<Wish>) -> twinrotor::control_loop::Outputs {
+    fn step(&mut self, command: Option<OperatorCommand>) -> twinrotor::control_loop::Outputs {
         let counts = self.encoders.counts(self.plant.state().angle).map(whole);
         self.control.tick(&Inputs {
             counters: counters(counts),
@@ -244,7 +244,7 @@ impl BoardLoop {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            wish: wish.as_ref(),
+            command: command.as_ref(),
         })
     }
 }
@@ -262,15 +262,15 @@ fn whole(counts: f32) -> i32 {
 impl ClosedLoop<f32> for BoardLoop {
     fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
         let state = self.plant.state();
-        let mut setpoint = Some(Wish::Setpoint(*reference));
+        let mut setpoint = Some(OperatorCommand::Setpoint(*reference));
         if self.control.state() == ArmState::Ready {
             self.step(setpoint.take());
-            setpoint = Some(Wish::Request(Request::Arm));
+            setpoint = Some(OperatorCommand::Request(Request::Arm));
         }
         let outputs = self.step(setpoint);
         let applied = self.latched;
         self.latched = self.drive.volts(outputs.duty, self.supply);
         self.plant.advance(applied, disturbance);
-        Tick { state, setpoint: reference.angle, command: *self.control.command(), applied }
+        Tick { state, setpoint: reference.angle, decision: *self.control.decision(), applied }
     }
 }

@@ -14,7 +14,7 @@ pub mod board;
 pub mod checkpoint;
 pub mod cli;
 pub mod closed_loop;
-pub mod counted;
+pub mod operation_count;
 pub mod error;
 pub mod export;
 pub mod figures;

@@ -240,7 +240,7 @@ impl<R: Real> Metrics<R> {
         }
         self.response.pitch.add(tick, error.pitch);
         self.response.yaw.add(tick, error.yaw);
-        let demand = happened.command.allocation.demand;
+        let demand = happened.decision.allocation.demand;
         self.effort.main.add(demand.main, happened.applied.main);
         self.effort.tail.add(demand.tail, happened.applied.tail);
     }

@@ -33,12 +33,12 @@ proptest! {
         let mut compared = 0;
         for _ in 0..4_000 {
             let tick = closed_loop.tick(&reference, PerMotor::zero());
-            let m = law.errors(&tick.command.estimate, &reference).lyapunov();
+            let m = law.errors(&tick.decision.estimate, &reference).lyapunov();
             if let Some(before) = before {
                 prop_assert!(m <= before + 1e-20, "{m:e} after {before:e}");
                 compared += 1;
             }
-            let clips = tick.command.allocation.saturated(rig.volts_limit);
+            let clips = tick.decision.allocation.saturated(rig.volts_limit);
             before = (!clips.main && !clips.tail).then_some(m);
         }
         // A run that clips all the way says nothing.

@@ -33,7 +33,7 @@ fn any_scenario() -> impl Strategy<Value = Scenario> {
 }
 
 fn bits<R: Real<Scalar = f32>>(tick: &Tick<R>, lane: usize) -> [u32; 8] {
-    let (state, volts, demand) = (tick.state, tick.applied, tick.command.allocation.demand);
+    let (state, volts, demand) = (tick.state, tick.applied, tick.decision.allocation.demand);
     [
         state.angle.pitch,
         state.angle.yaw,

@@ -5,7 +5,7 @@
 
 use super::VoltsRange;
 use crate::axes::PerMotor;
-use crate::plant::presets::Motor;
+use crate::plant::presets::MotorConstants;
 use crate::real::Real;
 use crate::validate::{Invalid, positive, require};
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ pub struct CurrentLimitSettings<R> {
 
 impl CurrentLimitSettings<f64> {
     /// Of a known motor.
-    pub fn new(motor: &Motor) -> Self {
+    pub fn new(motor: &MotorConstants) -> Self {
         let square = motor.back_emf * motor.back_emf;
         Self {
             resistance: motor.resistance,

@@ -5,7 +5,7 @@ use crate::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
 use crate::parameters::SAMPLE_TIME;
 use crate::pipeline::Settings;
 use crate::plant::presets::{self, Rig};
-use crate::plant::{RealPlant, State as Body};
+use crate::plant::{RealPlant, State};
 use crate::real::Real;
 use std::string::String;
 use std::vec::Vec;
@@ -53,7 +53,7 @@ impl Bench {
         let mut parameters = Parameters::new(rig, settings);
         parameters.checked = checked;
         let drive = Drive::new(rig.pwm_steps);
-        let plant = RealPlant::new(&rig.plant, Body::at_rest(rig.rest_angle), SAMPLE_TIME);
+        let plant = RealPlant::new(&rig.plant, State::at_rest(rig.rest_angle), SAMPLE_TIME);
         Self {
             rig: *rig,
             plant,
@@ -77,17 +77,17 @@ impl Bench {
 
     fn arm(self) -> Self {
         let mut bench = self;
-        bench.run(STILL_TICKS + 1, None);
-        bench.tick(Some(Wish::Zero));
+        bench.run(REST_TICKS + 1, None);
+        bench.tick(Some(OperatorCommand::Zero));
         bench.tick(None);
         bench.tick(None);
-        assert_eq!(bench.control.state(), State::Ready);
-        bench.tick(Some(Wish::Request(Request::Arm)));
-        assert_eq!(bench.control.state(), State::Armed);
+        assert_eq!(bench.control.state(), ArmState::Ready);
+        bench.tick(Some(OperatorCommand::Request(Request::Arm)));
+        assert_eq!(bench.control.state(), ArmState::Armed);
         bench
     }
 
-    fn tick(&mut self, wish: Option<Wish>) -> Outputs {
+    fn tick(&mut self, command: Option<OperatorCommand>) -> Outputs {
         let body = self.plant.state();
         let counts = body.angle.zip(self.rig.encoder_counts, |angle, counts| {
             (angle * f64::from(counts) / core::f64::consts::TAU).round() as i32
@@ -98,7 +98,7 @@ impl Bench {
             current_limit: self.current_limit,
             senses: Conditions::NONE,
             heard: self.heard,
-            wish: wish.as_ref(),
+            command: command.as_ref(),
         });
         self.plant.advance((self.motors)(self.applied), self.disturbance);
         self.lie_on_stop();
@@ -108,15 +108,15 @@ impl Bench {
     }
 
     /// A tick, and what telemetry says of it.
-    fn frame(&mut self, wish: Option<Wish>) -> Frame {
-        self.tick(wish);
+    fn frame(&mut self, command: Option<OperatorCommand>) -> Frame {
+        self.tick(command);
         self.control.frame()
     }
 
     /// A rig whose weight pulls its nose down lies on a stop in its rest pose: one below it, or a table until it is armed.
     fn lie_on_stop(&mut self) {
         let (mut body, rest) = (self.plant.state(), self.rig.rest_angle.pitch);
-        let lies = rest < 0.0 || self.control.state() != State::Armed;
+        let lies = rest < 0.0 || self.control.state() != ArmState::Armed;
         if self.rig.plant.center_of_mass > 0.0 && lies && body.angle.pitch < rest {
             body.angle.pitch = rest;
             body.rate.pitch = 0.0;
@@ -125,11 +125,11 @@ impl Bench {
     }
 
     /// Up to `ticks` ticks; ends with the first fault and gives its cause and tick.
-    fn run(&mut self, ticks: u32, wish: Option<Wish>) -> Option<(Condition, u32)> {
-        let mut wish = wish;
+    fn run(&mut self, ticks: u32, command: Option<OperatorCommand>) -> Option<(Condition, u32)> {
+        let mut command = command;
         for tick in 0..ticks {
-            self.tick(wish.take());
-            if let State::Fault(cause) = self.control.state() {
+            self.tick(command.take());
+            if let ArmState::Fault(cause) = self.control.state() {
                 return Some((cause, tick));
             }
         }
@@ -138,8 +138,8 @@ impl Bench {
 }
 
 /// Rest at these angles \[rad\].
-fn setpoint(pitch: f32, yaw: f32) -> Option<Wish> {
-    Some(Wish::Setpoint(Reference::at_rest(PerAxis::new(pitch, yaw))))
+fn setpoint(pitch: f32, yaw: f32) -> Option<OperatorCommand> {
+    Some(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::new(pitch, yaw))))
 }
 
 /// Every rig with the paper's law and with what its boards boot with.
@@ -224,7 +224,7 @@ fn an_encoder_that_jumps_stops_the_motors_and_voids_the_zero() {
     bench.run(100, None);
     bench.wiring = |counts| PerAxis::new(counts.pitch + 40, counts.yaw);
     let outputs = bench.tick(None);
-    assert_eq!(bench.control.frame().state, State::Fault(Condition::PitchJump));
+    assert_eq!(bench.control.frame().state, ArmState::Fault(Condition::PitchJump));
     assert!(!outputs.enable);
     assert!(bench.frame(None).conditions.contains(Condition::NotZeroed));
 }
@@ -235,13 +235,13 @@ fn leaving_the_envelope_stops_the_motors_in_that_tick() {
     bench.parameters.limits.pitch = 0.1;
     bench.control.monitor = Monitor::new(&bench.parameters);
     bench.run(20, None);
-    let mut wish = setpoint(20.0 * DEGREE, 0.0);
+    let mut command = setpoint(20.0 * DEGREE, 0.0);
     loop {
-        let outputs = bench.tick(wish.take());
+        let outputs = bench.tick(command.take());
         let outside = bench.control.frame().angle.pitch.abs() > 0.1;
         assert_eq!(outputs.enable, !outside);
         if outside {
-            assert_eq!(bench.control.frame().state, State::Fault(Condition::AngleEnvelope));
+            assert_eq!(bench.control.frame().state, ArmState::Fault(Condition::AngleEnvelope));
             break;
         }
     }
@@ -250,12 +250,12 @@ fn leaving_the_envelope_stops_the_motors_in_that_tick() {
 #[test]
 fn an_infinite_torque_gives_no_volts_and_a_fault_one_tick_later() {
     let mut bench = Bench::armed(&presets::AERO);
-    let outputs = bench.tick(Some(Wish::Setpoint(Reference::at_rest(PerAxis::both(3e38)))));
+    let outputs = bench.tick(Some(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::both(3e38)))));
     assert_eq!(outputs.duty.map(Duty::steps), PerMotor::both(0));
-    assert_eq!(bench.frame(None).state, State::Fault(Condition::NonFinite));
+    assert_eq!(bench.frame(None).state, ArmState::Fault(Condition::NonFinite));
     bench.tick(None);
-    bench.tick(Some(Wish::Request(Request::ClearFault)));
-    assert_ne!(bench.control.state(), State::Fault(Condition::NonFinite));
+    bench.tick(Some(OperatorCommand::Request(Request::ClearFault)));
+    assert_ne!(bench.control.state(), ArmState::Fault(Condition::NonFinite));
 }
 
 #[test]
@@ -281,10 +281,10 @@ fn supply_current_limit_and_silence_count_from_their_stated_tick_on() {
 fn zero_is_taken_only_where_the_rig_lies_still() {
     let mut bench = Bench::new(&presets::HELI, true);
     bench.run(10, None);
-    bench.tick(Some(Wish::Zero));
+    bench.tick(Some(OperatorCommand::Zero));
     assert!(bench.frame(None).conditions.contains(Condition::NotZeroed), "it has lain still for 10 ms only");
-    bench.run(STILL_TICKS, None);
-    bench.tick(Some(Wish::Zero));
+    bench.run(REST_TICKS, None);
+    bench.tick(Some(OperatorCommand::Zero));
     let frame = bench.frame(None);
     assert!(!frame.conditions.contains(Condition::NotZeroed));
     let count = core::f32::consts::TAU / 4096.0;
@@ -304,11 +304,11 @@ fn after_arming_the_reference_leads_from_the_rest_pose_to_level() {
 /// Ends the check and gives its verdict.
 fn check(bench: &mut Bench) -> Verdict {
     bench.run(20, None);
-    let mut wish = Some(Wish::Request(Request::Check));
+    let mut command = Some(OperatorCommand::Request(Request::Check));
     for _ in 0..3 * SETTLE_TICKS {
-        if let Some(verdict) = bench.tick(wish.take()).verdict {
+        if let Some(verdict) = bench.tick(command.take()).verdict {
             bench.tick(None);
-            assert_eq!(bench.control.state(), State::Disarmed);
+            assert_eq!(bench.control.state(), ArmState::Disarmed);
             return verdict;
         }
     }

@@ -29,7 +29,7 @@ pub struct Rig {
     pub envelope: Envelope,
     /// The motors, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub motor: Option<Motor>,
+    pub motor: Option<MotorConstants>,
 }
 
 /// Bounds of safe motion; beyond them the motors are cut.
@@ -45,7 +45,7 @@ pub struct Envelope {
 /// A brushed DC motor that turns a rotor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Motor {
+pub struct MotorConstants {
     /// \[ohm\] Terminal resistance.
     pub resistance: f64,
     /// \[V s/rad\] Back-EMF constant, numerically also N m/A.
@@ -69,10 +69,10 @@ const PWM_STEPS: u32 = 2_100;
 const NO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
 
-/// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous; propeller
+/// MotorConstants of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous; propeller
 /// drag 8e-5 N m s/rad).
-const AERO_MOTOR: Motor =
-    Motor { resistance: 8.4, back_emf: 0.042, drag: 8e-5, peak_current: 2.0, continuous_current: 0.5 };
+const AERO_MOTOR: MotorConstants =
+    MotorConstants { resistance: 8.4, back_emf: 0.042, drag: 8e-5, peak_current: 2.0, continuous_current: 0.5 };
 
 /// Table 3 as printed, limits ±24 V (section 5). In the rig's world, what the paper is silent on: the encoders of
 /// the Aero 2 (user manual: 2880 and 4096 counts) and a rotor lag of .05 s (an estimate from R and k_m of the

@@ -1,13 +1,13 @@
 use super::*;
 use std::vec::Vec;
 
-const STATES: [State; 5] =
-    [State::Disarmed, State::Ready, State::Checking, State::Armed, State::Fault(Condition::NonFinite)];
+const STATES: [ArmState; 5] =
+    [ArmState::Disarmed, ArmState::Ready, ArmState::Checking, ArmState::Armed, ArmState::Fault(Condition::NonFinite)];
 const REQUESTS: [Option<Request>; 5] =
     [None, Some(Request::Arm), Some(Request::Disarm), Some(Request::ClearFault), Some(Request::Check)];
 
 /// Every state with every request under no condition, and under each single one: 5 x 5 x 24 cases.
-fn every_case() -> impl Iterator<Item = (State, Option<Request>, Conditions, State)> {
+fn every_case() -> impl Iterator<Item = (ArmState, Option<Request>, Conditions, ArmState)> {
     let sets: Vec<Conditions> = core::iter::once(Conditions::NONE)
         .chain(Condition::ALL.map(|condition| Conditions::of(&[condition])))
         .collect();
@@ -36,8 +36,8 @@ fn each_condition_has_its_own_bit_and_comes_back_by_it() {
 #[test]
 fn only_arm_in_ready_with_nothing_wrong_leads_to_armed() {
     for (from, request, present, to) in every_case() {
-        if to == State::Armed && from != State::Armed {
-            assert_eq!((from, request, present), (State::Ready, Some(Request::Arm), Conditions::NONE));
+        if to == ArmState::Armed && from != ArmState::Armed {
+            assert_eq!((from, request, present), (ArmState::Ready, Some(Request::Arm), Conditions::NONE));
         }
     }
 }
@@ -47,7 +47,7 @@ fn a_hazard_stops_turning_motors_in_the_same_tick_and_is_named() {
     for (from, _, present, to) in every_case() {
         let hazard = present.intersection(Conditions::HAZARDS).first();
         if let (true, Some(cause)) = (from.motors_may_turn(), hazard) {
-            assert_eq!(to, State::Fault(cause));
+            assert_eq!(to, ArmState::Fault(cause));
         }
         if hazard.is_some() {
             assert!(!to.motors_may_turn());
@@ -59,9 +59,9 @@ fn a_hazard_stops_turning_motors_in_the_same_tick_and_is_named() {
 fn a_fault_stays_until_it_is_cleared_with_no_hazard_left() {
     for (from, request, present, to) in every_case() {
         let safe = present.intersection(Conditions::HAZARDS).is_empty();
-        if let State::Fault(_) = from {
+        if let ArmState::Fault(_) = from {
             let cleared = request == Some(Request::ClearFault) && safe;
-            assert_eq!(to, if cleared { State::Disarmed } else { from });
+            assert_eq!(to, if cleared { ArmState::Disarmed } else { from });
         }
     }
 }
@@ -76,9 +76,9 @@ fn disarm_always_ends_turning_motors() {
 #[test]
 fn ready_means_that_nothing_prevents_arming() {
     for (from, request, present, to) in every_case() {
-        if to == State::Ready {
+        if to == ArmState::Ready {
             assert_eq!(present, Conditions::NONE);
-            assert!(from == State::Ready || (from == State::Disarmed && request.is_none()));
+            assert!(from == ArmState::Ready || (from == ArmState::Disarmed && request.is_none()));
         }
     }
 }
@@ -86,9 +86,9 @@ fn ready_means_that_nothing_prevents_arming() {
 #[test]
 fn the_check_starts_without_zero_and_parameters_but_not_with_a_hazard() {
     for (from, request, present, to) in every_case() {
-        if request == Some(Request::Check) && matches!(from, State::Disarmed | State::Ready) {
+        if request == Some(Request::Check) && matches!(from, ArmState::Disarmed | ArmState::Ready) {
             let safe = present.intersection(Conditions::HAZARDS).is_empty();
-            assert_eq!(to == State::Checking, safe);
+            assert_eq!(to == ArmState::Checking, safe);
         }
     }
 }
@@ -97,10 +97,10 @@ fn the_check_starts_without_zero_and_parameters_but_not_with_a_hazard() {
 fn a_reset_that_should_not_have_been_is_a_fault_from_the_start() {
     let mut supervisor = Supervisor::new(Some(Condition::ResetByWatchdog));
     assert!(!supervisor.step(Conditions::NONE, Some(Request::Arm)));
-    assert_eq!(supervisor.state(), State::Fault(Condition::ResetByWatchdog));
+    assert_eq!(supervisor.state(), ArmState::Fault(Condition::ResetByWatchdog));
     assert!(supervisor.step(Conditions::NONE, Some(Request::ClearFault)));
-    assert_eq!(supervisor.state(), State::Disarmed);
-    assert_eq!(Supervisor::new(None).state(), State::Disarmed);
+    assert_eq!(supervisor.state(), ArmState::Disarmed);
+    assert_eq!(Supervisor::new(None).state(), ArmState::Disarmed);
 }
 
 /// Over random ticks: armed only ever from ready, and never in a tick with a hazard; and that nothing is looked up where
@@ -123,9 +123,9 @@ fn long_random_runs_keep_the_rules() {
         supervisor.step(present, request);
         let after = supervisor.state();
         assert_eq!(after, looked_up.state());
-        if after == State::Armed {
+        if after == ArmState::Armed {
             armed += 1;
-            assert!(matches!(before, State::Ready | State::Armed));
+            assert!(matches!(before, ArmState::Ready | ArmState::Armed));
             assert!(present.intersection(Conditions::HAZARDS).is_empty());
         }
     }

@@ -3,7 +3,7 @@
 use super::common::Common;
 use super::{print, print_json, tables};
 use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
-use crate::counted::{Counted, operations};
+use crate::operation_count::{Counted, operations};
 use crate::error::Outcome;
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;

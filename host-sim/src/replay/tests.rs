@@ -122,7 +122,7 @@ fn a_flight_of_our_law_replayed_asks_for_its_own_volts() {
     let (replayed, report) = compare(&log, &samples, &replay(&parameters, &samples));
     assert!(report.volts_difference.is_some());
     for (tick, row) in ticks.iter().zip(&replayed) {
-        assert_eq!(row.ours, Some(tick.command.allocation.volts.map(f64::from)), "{}", row.time);
+        assert_eq!(row.ours, Some(tick.decision.allocation.volts.map(f64::from)), "{}", row.time);
     }
 }
 

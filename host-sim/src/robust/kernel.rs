@@ -149,7 +149,7 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
             }
         }
         s.volts = happened.applied;
-        let over = happened.command.allocation.saturated(limit);
+        let over = happened.decision.allocation.saturated(limit);
         s.saturated = s.saturated + R::select(over.main | over.tail, R::one(), R::zero());
         let state = &happened.state;
         let far = |e: R| !e.abs().lt(R::from_f64(DIVERGED));

@@ -5,16 +5,16 @@ use host_sim::flight::{Flight, Row};
 use host_sim::metrics::Metrics;
 use host_sim::scenario::Scenario;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::Wish;
+use twinrotor::control_loop::OperatorCommand;
 use twinrotor::estimator::Estimate;
-use twinrotor::first_power::STILL_TICKS;
+use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::SAMPLE_TIME;
-use twinrotor::pipeline::Command;
-use twinrotor::plant::State as Motion;
+use twinrotor::pipeline::Decision;
+use twinrotor::plant::State;
 use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{Condition, Request, State};
+use twinrotor::supervisor::{Condition, Request, ArmState};
 use twinrotor::telemetry::Frame;
 
 use crate::helicopter::Helicopter;
@@ -39,30 +39,30 @@ const RISE: u64 = 8_000;
 ///
 /// If the board does not come so far, with what it says instead.
 pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
-    wait(station, u64::from(STILL_TICKS) + 100, told)?;
+    wait(station, u64::from(REST_TICKS) + 100, told)?;
     if station.heard.conditions().contains(&Condition::NotChecked) {
         station.machine.rig(|rig: &mut Helicopter| rig.stand(true));
         station.request(Request::Check);
-        reach(station, State::Checking, told)?;
+        reach(station, ArmState::Checking, told)?;
         station.run_until(PATIENCE, |heard| !heard.verdicts.is_empty());
     }
     // Refused for as long as the rig still swings.
     for _ in 0..PATIENCE / 500 {
-        station.send(&ToBoard::Control(Wish::Zero));
+        station.send(&ToBoard::Control(OperatorCommand::Zero));
         wait(station, 500, told)?;
         if !station.heard.conditions().contains(&Condition::NotZeroed) {
             break;
         }
     }
-    reach(station, State::Ready, told)?;
+    reach(station, ArmState::Ready, told)?;
     station.aim(PerAxis::both(0.0));
     station.machine.rig(|rig: &mut Helicopter| rig.stand(false));
     station.request(Request::Arm);
-    reach(station, State::Armed, told)?;
+    reach(station, ArmState::Armed, told)?;
     wait(station, RISE, told)
 }
 
-fn reach(station: &mut Station, state: State, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
+fn reach(station: &mut Station, state: ArmState, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
     for _ in 0..1_000 {
         wait(station, 2, told)?;
         if station.heard.state() == Some(state) {
@@ -113,7 +113,7 @@ pub fn fly(
             stay(station, std::mem::take(&mut left), told)?;
         }
         if reference != sent {
-            station.send(&ToBoard::Control(Wish::Setpoint(reference)));
+            station.send(&ToBoard::Control(OperatorCommand::Setpoint(reference)));
             sent = reference;
         }
         if disturbance != blown {
@@ -129,7 +129,7 @@ pub fn fly(
 /// Flies on; the board must still be armed then.
 fn stay(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
     wait(station, milliseconds, told)?;
-    if station.heard.state() == Some(State::Armed) {
+    if station.heard.state() == Some(ArmState::Armed) {
         return Ok(());
     }
     Err(Failure(format!("the board left the air: {}", station.heard.summary())))
@@ -148,12 +148,12 @@ fn recorded(frames: &[Frame], rig: &Rig, scenario: &Scenario, references: &[Refe
     for (tick, (frame, reference)) in (0_u32..).zip(frames.iter().zip(references)) {
         let axis = |of: PerAxis<f32>| of.map(f64::from);
         let motor = |of: PerMotor<f32>| of.map(f64::from);
-        let state = Motion { angle: axis(frame.angle), rate: axis(frame.rate) };
+        let state = State { angle: axis(frame.angle), rate: axis(frame.rate) };
         let reference = axis(reference.angle);
-        let mut command = Command::idle(Estimate::exact(state), reference);
-        command.allocation.demand = motor(frame.demand);
+        let mut decision = Decision::idle(Estimate::exact(state), reference);
+        decision.allocation.demand = motor(frame.demand);
         let volts = motor(frame.volts);
-        metrics.add(tick, &Tick { state, setpoint: reference, command, applied: volts });
+        metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts });
         let time = f64::from(tick) * SAMPLE_TIME;
         rows.push(Row { time, state, reference, volts, disturbance: PerMotor::zero() });
     }

@@ -19,7 +19,7 @@ use twinrotor::link::ToBoard;
 use twinrotor::parameters::ram_flash::AREA_SIZE;
 use twinrotor::parameters::{Parameters, SAMPLE_TIME};
 use twinrotor::plant::presets::Rig;
-use twinrotor::supervisor::State;
+use twinrotor::supervisor::ArmState;
 use twinrotor::telemetry::Frame;
 use virtual_board::firmware::Firmware;
 use virtual_board::flight;
@@ -260,7 +260,7 @@ fn event(frame: &Frame) -> String {
     let seconds = f64::from(frame.tick) * SAMPLE_TIME;
     let reasons: Vec<String> = frame.conditions.iter().map(|each| format!("{each:?}")).collect();
     let state = match frame.state {
-        State::Fault(cause) => format!("Fault: {cause:?}"),
+        ArmState::Fault(cause) => format!("Fault: {cause:?}"),
         state => format!("{state:?}"),
     };
     let why = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join(", ")) };

@@ -2,13 +2,13 @@
 
 use host_sim::board::AT_ONCE;
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::Wish;
+use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::Verdict;
 use twinrotor::link::{self, Decoder, Health, Identity, MAX_FRAME, Refusal, ToBoard, ToHost};
 use twinrotor::parameters::Parameters;
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replayed, Sample};
-use twinrotor::supervisor::{Condition, Request, State};
+use twinrotor::supervisor::{Condition, Request, ArmState};
 use twinrotor::telemetry::Frame;
 
 use crate::machine::{Failure, Machine};
@@ -68,7 +68,7 @@ impl Station {
 
     /// Asks something of the supervisor.
     pub fn request(&mut self, request: Request) {
-        self.send(&ToBoard::Control(Wish::Request(request)));
+        self.send(&ToBoard::Control(OperatorCommand::Request(request)));
     }
 
     /// Puts a record through the board's own estimator and law.
@@ -97,7 +97,7 @@ impl Station {
 
     /// Wants the helicopter at rest there, angles in rad.
     pub fn aim(&mut self, angle: PerAxis<f32>) {
-        self.send(&ToBoard::Control(Wish::Setpoint(Reference::at_rest(angle))));
+        self.send(&ToBoard::Control(OperatorCommand::Setpoint(Reference::at_rest(angle))));
     }
 
     /// Lets the board run and listens.
@@ -153,7 +153,7 @@ impl Station {
     ///
     /// If it is not within `milliseconds`: with the state it is in instead, and what keeps it there.
     #[track_caller]
-    pub fn await_state(&mut self, milliseconds: u64, state: State) {
+    pub fn await_state(&mut self, milliseconds: u64, state: ArmState) {
         let came = self.run_until(milliseconds, |heard| heard.state() == Some(state));
         assert!(came, "not {state:?} after {milliseconds} ms but {}", self.heard.summary());
     }
@@ -185,7 +185,7 @@ impl Heard {
     }
 
     /// The state in the last frame.
-    pub fn state(&self) -> Option<State> {
+    pub fn state(&self) -> Option<ArmState> {
         self.frames.last().map(|frame| frame.state)
     }
 

@@ -1,11 +1,11 @@
 //! From power-on to the first arming.
 
-use twinrotor::control_loop::Wish;
+use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, Request, State};
+use twinrotor::supervisor::{Condition, Request, ArmState};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Setup;
 use virtual_board::record;
@@ -31,7 +31,7 @@ fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
     }
     station.request(Request::Arm);
     station.run(100);
-    assert_eq!(station.heard.state(), Some(State::Disarmed));
+    assert_eq!(station.heard.state(), Some(ArmState::Disarmed));
     let (trace, _) = station.machine.trace();
     assert!(trace.iter().all(|outputs| !outputs.live() && !outputs.enabled));
 }
@@ -55,14 +55,14 @@ fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
     let mut station = board_with(&rig, &unchecked);
     station.machine.rig(move |helicopter: &mut Helicopter| spoil(helicopter));
     rest(&mut station);
-    station.send(&ToBoard::Control(Wish::Zero));
+    station.send(&ToBoard::Control(OperatorCommand::Zero));
     station.run(100);
     assert_eq!(station.heard.conditions(), [Condition::NotChecked]);
     station.request(Request::Arm);
     station.run(50);
-    assert_eq!(station.heard.state(), Some(State::Disarmed), "unchecked, it does not arm");
+    assert_eq!(station.heard.state(), Some(ArmState::Disarmed), "unchecked, it does not arm");
     station.request(Request::Check);
-    station.await_state(100, State::Checking);
+    station.await_state(100, ArmState::Checking);
     let ended = station.run_until(60_000, |heard| !heard.verdicts.is_empty());
     assert!(ended, "{}", station.heard.summary());
     station.run(50);
@@ -73,7 +73,7 @@ fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
 fn the_first_power_check_passes_a_well_wired_rig_and_lets_it_arm() {
     let (verdict, mut station) = check(|_| {});
     assert_eq!(verdict, Verdict::Passed);
-    station.await_state(1_000, State::Ready);
+    station.await_state(1_000, ArmState::Ready);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn the_first_power_check_names_what_is_wired_wrongly() {
     for (spoil, expected) in cases {
         let (verdict, station) = check(spoil);
         assert_eq!(verdict, expected);
-        assert_ne!(station.heard.state(), Some(State::Ready));
+        assert_ne!(station.heard.state(), Some(ArmState::Ready));
     }
 }
 

@@ -4,7 +4,7 @@
 use twinrotor::axes::PerAxis;
 use twinrotor::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, Request, State};
+use twinrotor::supervisor::{Condition, Request, ArmState};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Live;
 use virtual_board::record;
@@ -16,7 +16,7 @@ use super::{board_with, both, flying_with, make_ready, papers};
 #[track_caller]
 fn fault(station: &Station) -> (u32, Condition) {
     let found = station.heard.frames.iter().find_map(|frame| match frame.state {
-        State::Fault(cause) => Some((frame.tick, cause)),
+        ArmState::Fault(cause) => Some((frame.tick, cause)),
         _ => None,
     });
     found.unwrap_or_else(|| panic!("no fault: {}", station.heard.summary()))
@@ -57,8 +57,8 @@ fn expect_of(station: &mut Station, cause: Condition, within: u32, hazard: impl 
     station.run(50);
     // A tick without fresh sensors does not feed the watchdog, which then ends it all.
     let latched = match station.heard.state() {
-        Some(State::Fault(Condition::ResetByWatchdog)) => cause == Condition::SensorStale,
-        state => state == Some(State::Fault(cause)),
+        Some(ArmState::Fault(Condition::ResetByWatchdog)) => cause == Condition::SensorStale,
+        state => state == Some(ArmState::Fault(cause)),
     };
     assert!(latched, "a fault stays until it is cleared: {}", station.heard.summary());
 }
@@ -145,7 +145,7 @@ fn a_host_that_falls_silent() {
         station.attentive = false;
         // Not yet: half a second is allowed.
         station.run(400);
-        assert_eq!(station.heard.state(), Some(State::Armed));
+        assert_eq!(station.heard.state(), Some(ArmState::Armed));
     });
 }
 
@@ -211,7 +211,7 @@ fn clear_and_fly_on(station: &mut Station) {
     station.run(20);
     assert_eq!(
         station.heard.state(),
-        Some(State::Fault(Condition::EmergencyStop)),
+        Some(ArmState::Fault(Condition::EmergencyStop)),
         "the stop is still pressed"
     );
     with_rig(station, |heli| {
@@ -221,12 +221,12 @@ fn clear_and_fly_on(station: &mut Station) {
     // Until the rotors stand.
     station.run(3_000);
     station.request(Request::ClearFault);
-    station.await_state(100, State::Ready);
+    station.await_state(100, ArmState::Ready);
     station.request(Request::Arm);
-    station.await_state(100, State::Armed);
+    station.await_state(100, ArmState::Armed);
     station.aim(PerAxis::new(0.1, 0.2));
     station.run(12_000);
     let last = station.heard.frames.last().expect("frames");
-    assert_eq!(last.state, State::Armed);
+    assert_eq!(last.state, ArmState::Armed);
     assert!((last.angle.pitch - 0.1).abs() < 0.02 && (last.angle.yaw - 0.2).abs() < 0.02, "{last:?}");
 }

@@ -2,14 +2,14 @@
 //! the host, with the same plant, tick for tick and bit for bit; both ways of driving amplifiers.
 
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::{ControlLoop, Inputs, Outputs, Wish};
+use twinrotor::control_loop::{ControlLoop, Inputs, Outputs, OperatorCommand};
 use twinrotor::drive::Drive as Amplifier;
 use twinrotor::first_power::Verdict;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{Condition, Conditions, Request, State};
+use twinrotor::supervisor::{Condition, Conditions, Request, ArmState};
 use twinrotor::telemetry::Frame;
 use virtual_board::chip::timer::Drive;
 use virtual_board::firmware::Firmware;
@@ -44,15 +44,15 @@ impl Host {
         Self { helicopter, control, before_last: None, drive, supply, before: None }
     }
 
-    fn compute(&self, wish: Option<Wish>) -> (ControlLoop, Outputs) {
-        self.tick(self.control, self.helicopter.counters(), wish)
+    fn compute(&self, command: Option<OperatorCommand>) -> (ControlLoop, Outputs) {
+        self.tick(self.control, self.helicopter.counters(), command)
     }
 
-    /// The last tick once more with `wish`, of which its telemetry and its volts told nothing, since a command filter lets a
+    /// The last tick once more with `command`, of which its telemetry and its volts told nothing, since a command filter lets a
     /// jump through one tick later; then this tick.
-    fn compute_late(&self, wish: Wish) -> Option<(ControlLoop, Outputs)> {
+    fn compute_late(&self, command: OperatorCommand) -> Option<(ControlLoop, Outputs)> {
         let (control, counters) = self.before_last?;
-        let (corrected, _) = self.tick(control, counters, Some(wish));
+        let (corrected, _) = self.tick(control, counters, Some(command));
         (bits(&corrected.frame()) == bits(&self.control.frame()))
             .then(|| self.tick(corrected, self.helicopter.counters(), None))
     }
@@ -61,7 +61,7 @@ impl Host {
         &self,
         mut control: ControlLoop,
         counters: PerAxis<u32>,
-        wish: Option<Wish>,
+        command: Option<OperatorCommand>,
     ) -> (ControlLoop, Outputs) {
         let outputs = control.tick(&Inputs {
             counters,
@@ -69,7 +69,7 @@ impl Host {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            wish: wish.as_ref(),
+            command: command.as_ref(),
         });
         (control, outputs)
     }
@@ -135,18 +135,18 @@ fn assert_equal_on(setup: Setup, rig: &Rig, parameters: &Parameters, setpoints: 
     let (frames, asked) = fly(setup, rig, parameters, setpoints);
     let zeroed = frames.iter().position(|frame| !frame.conditions.contains(Condition::NotZeroed));
     let zeroed = frames[zeroed.expect("it was zeroed")].tick;
-    let armed = frames.iter().find(|frame| frame.state == State::Armed).expect("it was armed").tick;
+    let armed = frames.iter().find(|frame| frame.state == ArmState::Armed).expect("it was armed").tick;
     let mut host = Host::new(rig, parameters);
     let mut waiting = setpoints.iter();
     let mut compared = 0;
     let mut frames = frames.iter().peekable();
     for (tick, &steps) in (0_u32..).zip(&asked) {
-        let wish = match tick {
-            tick if tick + 1 == zeroed => Some(Wish::Zero),
-            tick if tick == armed => Some(Wish::Request(Request::Arm)),
+        let command = match tick {
+            tick if tick + 1 == zeroed => Some(OperatorCommand::Zero),
+            tick if tick == armed => Some(OperatorCommand::Request(Request::Arm)),
             _ => None,
         };
-        let mut computed = host.compute(wish);
+        let mut computed = host.compute(command);
         let frame = frames.next_if(|frame| frame.tick == tick);
         if let Some(frame) = frame
             && tick >= zeroed
@@ -154,10 +154,10 @@ fn assert_equal_on(setup: Setup, rig: &Rig, parameters: &Parameters, setpoints: 
             && let Some(&setpoint) = waiting.next()
         {
             // A setpoint that came over the link came into this tick, or into the last one.
-            let wish = Wish::Setpoint(Reference::at_rest(setpoint));
-            computed = host.compute(Some(wish));
+            let command = OperatorCommand::Setpoint(Reference::at_rest(setpoint));
+            computed = host.compute(Some(command));
             if bits(frame) != bits(&computed.0.frame())
-                && let Some(late) = host.compute_late(wish)
+                && let Some(late) = host.compute_late(command)
             {
                 computed = late;
             }
@@ -226,12 +226,12 @@ fn sign_magnitude_never_drives_both_inputs_of_a_bridge_and_obeys_the_emergency_s
     let unchecked = Parameters { checked: false, ..parameters };
     let mut station = start(sign_magnitude().with_image(ADDRESS, image(&[unchecked])), &rig);
     rest(&mut station);
-    station.send(&ToBoard::Control(Wish::Zero));
+    station.send(&ToBoard::Control(OperatorCommand::Zero));
     station.run(50);
     station.request(Request::Check);
     assert!(station.run_until(400_000, |heard| !heard.verdicts.is_empty()));
     assert_eq!(station.heard.verdicts, [Verdict::Passed]);
-    station.await_state(1_000, State::Ready);
+    station.await_state(1_000, ArmState::Ready);
     station.aim(STEP);
     station.request(Request::Arm);
     station.run(1_000);
@@ -245,7 +245,7 @@ fn sign_magnitude_never_drives_both_inputs_of_a_bridge_and_obeys_the_emergency_s
     station.machine.rig(|rig: &mut Helicopter| rig.press(true, false));
     station.run(2);
     assert!(!station.machine.outputs().live());
-    station.await_state(20, State::Fault(Condition::EmergencyStop));
+    station.await_state(20, ArmState::Fault(Condition::EmergencyStop));
 }
 
 /// The controllers tuned for each preset: every law, estimator and allocation that a board boots with.

@@ -13,12 +13,12 @@ mod timing;
 use std::sync::OnceLock;
 
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::Wish;
-use twinrotor::first_power::STILL_TICKS;
+use twinrotor::control_loop::OperatorCommand;
+use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
-use twinrotor::supervisor::{Request, State};
+use twinrotor::supervisor::{Request, ArmState};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Machine, Setup};
@@ -45,15 +45,15 @@ fn start(setup: Setup, rig: &Rig) -> Station {
 /// Lets the rig lie for as long as it must before it may be zeroed.
 #[track_caller]
 fn rest(station: &mut Station) {
-    station.run(u64::from(STILL_TICKS) + 100);
+    station.run(u64::from(REST_TICKS) + 100);
 }
 
 /// Lets a board with good parameters boot, and zeroes it where it rests.
 #[track_caller]
 fn make_ready(station: &mut Station) {
     rest(station);
-    station.send(&ToBoard::Control(Wish::Zero));
-    station.await_state(200, State::Ready);
+    station.send(&ToBoard::Control(OperatorCommand::Zero));
+    station.await_state(200, ArmState::Ready);
 }
 
 /// What the tests fly: the paper's law on the paper's rig, and the controller that the firmware has built in on its rig.
@@ -75,10 +75,10 @@ fn flying_with(rig: &Rig, parameters: &Parameters) -> Station {
     make_ready(&mut station);
     station.aim(PerAxis::new(0.1, 0.2));
     station.request(Request::Arm);
-    station.await_state(100, State::Armed);
+    station.await_state(100, ArmState::Armed);
     station.run(1500);
     station.send(&ToBoard::Telemetry { every: 1 });
     station.run(100);
-    assert_eq!(station.heard.state(), Some(State::Armed), "{}", station.heard.summary());
+    assert_eq!(station.heard.state(), Some(ArmState::Armed), "{}", station.heard.summary());
     station
 }

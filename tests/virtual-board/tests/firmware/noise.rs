@@ -1,7 +1,7 @@
 //! Nonsense on the serial line.
 
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::Wish;
+use twinrotor::control_loop::OperatorCommand;
 use twinrotor::link::{MAX_FRAME, ToBoard, encode};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Request;
@@ -27,9 +27,9 @@ impl Chance {
 /// Bytes that are no message: noise, or a message with its end missing or a bit turned round.
 fn nonsense(chance: &mut Chance) -> Vec<u8> {
     let messages = [
-        ToBoard::Control(Wish::Request(Request::Disarm)),
-        ToBoard::Control(Wish::Zero),
-        ToBoard::Control(Wish::Setpoint(Reference::at_rest(PerAxis::new(0.5, -0.5)))),
+        ToBoard::Control(OperatorCommand::Request(Request::Disarm)),
+        ToBoard::Control(OperatorCommand::Zero),
+        ToBoard::Control(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::new(0.5, -0.5)))),
         ToBoard::Telemetry { every: 1 },
     ];
     let mut buffer = [0; MAX_FRAME];

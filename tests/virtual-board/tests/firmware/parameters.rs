@@ -3,7 +3,7 @@
 use twinrotor::link::{Refusal, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, State};
+use twinrotor::supervisor::{Condition, ArmState};
 use virtual_board::chip::flash::Operation;
 use virtual_board::machine::Setup;
 use virtual_board::station::Station;
@@ -81,7 +81,7 @@ fn parameters_are_not_written_while_the_motors_turn() {
     station.send(&ToBoard::WriteParameters(variant(9)));
     station.run(500);
     assert_eq!(station.heard.refusals, [Refusal::MotorsMayTurn]);
-    assert_eq!(station.heard.state(), Some(State::Armed));
+    assert_eq!(station.heard.state(), Some(ArmState::Armed));
     assert_eq!(station.machine.with(|board| board.board().chip().flash().log.len()), written);
 }
 

@@ -7,8 +7,8 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::link::{Refusal, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
-use twinrotor::plant::{RealPlant, State as Body};
-use twinrotor::supervisor::State;
+use twinrotor::plant::{RealPlant, State};
+use twinrotor::supervisor::ArmState;
 use virtual_board::record;
 
 use super::{board_with, make_ready, papers};
@@ -18,7 +18,7 @@ const ROWS: u32 = 1_000;
 
 /// A run of a rig whose motors get pulses, as somebody would have logged it.
 fn log(rig: &Rig) -> Log {
-    let mut plant = RealPlant::<f64>::new(&rig.plant, Body::at_rest(rig.rest_angle), 1e-3);
+    let mut plant = RealPlant::<f64>::new(&rig.plant, State::at_rest(rig.rest_angle), 1e-3);
     let row = |k: u32| {
         let volts =
             PerMotor::new(if k % 400 < 200 { 9.0 } else { -2.0 }, if k % 300 < 150 { -5.0 } else { 7.0 });
@@ -42,7 +42,7 @@ fn assert_same(rig: &Rig, parameters: &Parameters, scenario: Option<&Scenario>) 
     assert_eq!(here.len(), there.len());
     assert_eq!(here[0].volts.is_some(), scenario.is_some());
     assert!(here.iter().any(|each| each.rate != PerAxis::zero()));
-    assert_eq!(station.heard.state(), Some(State::Ready), "a replay changes nothing on the rig");
+    assert_eq!(station.heard.state(), Some(ArmState::Ready), "a replay changes nothing on the rig");
     assert!(!station.machine.outputs().live());
 }
 

@@ -1,10 +1,10 @@
 //! What ends the firmware against its will: the amplifiers go off first, and the next boot says why.
 
 use rigless::device::ResetCause;
-use twinrotor::control_loop::Wish;
+use twinrotor::control_loop::OperatorCommand;
 use twinrotor::link::ToBoard;
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, Request, State};
+use twinrotor::supervisor::{Condition, Request, ArmState};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Live, Setup};
 use virtual_board::station::Station;
@@ -30,13 +30,13 @@ fn end(station: &mut Station, act: impl FnOnce(&mut Live<'_>) + Send + 'static) 
 fn assert_reported(station: &mut Station, cause: Condition) {
     let reset = station.heard.identities.last().and_then(|identity| identity.reset);
     assert_eq!(reset.map(|reset| reset.cause), Some(cause), "{:?}", station.machine.resets());
-    assert_eq!(station.heard.state(), Some(State::Fault(cause)), "and it is latched as a fault");
+    assert_eq!(station.heard.state(), Some(ArmState::Fault(cause)), "and it is latched as a fault");
     station.attentive = true;
     station.machine.rig(|helicopter: &mut Helicopter| helicopter.hold());
     station.request(Request::ClearFault);
     rest(station);
-    station.send(&ToBoard::Control(Wish::Zero));
-    station.await_state(500, State::Ready);
+    station.send(&ToBoard::Control(OperatorCommand::Zero));
+    station.await_state(500, ArmState::Ready);
 }
 
 #[test]

@@ -5,12 +5,12 @@ use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
 use crate::encoder::{CounterWidth, Encoder};
 use crate::estimator::{Belief, Estimate};
-use crate::first_power::{FirstPowerCheck, STILL_TICKS, Verdict};
+use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
 use crate::monitor::{Monitor, Seen};
 use crate::parameters::Parameters;
-use crate::pipeline::{Command, Pipeline};
+use crate::pipeline::{Decision, Pipeline};
 use crate::reference::Reference;
-use crate::supervisor::{Condition, Conditions, Request, State, Supervisor};
+use crate::supervisor::{Condition, Conditions, Request, ArmState, Supervisor};
 use crate::telemetry::Frame;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ pub struct ControlLoop {
     approach: Approach,
     drive: Drive<f32>,
     conditions: Conditions,
-    command: Command<f32>,
+    decision: Decision<f32>,
     supply: f32,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
     latched: PerMotor<f32>,
@@ -52,12 +52,12 @@ pub struct Inputs<'a> {
     /// A message came since the last tick.
     pub heard: bool,
     /// What the operator wants, if anything new.
-    pub wish: Option<&'a Wish>,
+    pub command: Option<&'a OperatorCommand>,
 }
 
 /// What the operator may want of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Wish {
+pub enum OperatorCommand {
     /// To arm, to disarm, to clear a fault, to check the wiring.
     Request(Request),
     /// To be there, and to move on at that rate and acceleration until the next setpoint.
@@ -103,7 +103,7 @@ impl ControlLoop {
             approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
             drive,
             conditions: Conditions::NONE,
-            command: Command::idle(Estimate::default(), PerAxis::zero()),
+            decision: Decision::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
         }
@@ -116,17 +116,17 @@ impl ControlLoop {
     }
 
     /// Whether the motors may turn, since the last tick.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> ArmState {
         self.supervisor.state()
     }
 
     fn is_armed(&self) -> bool {
-        matches!(self.supervisor.state(), State::Armed)
+        matches!(self.supervisor.state(), ArmState::Armed)
     }
 
     /// How the last tick came to its duties.
-    pub fn command(&self) -> &Command<f32> {
-        &self.command
+    pub fn decision(&self) -> &Decision<f32> {
+        &self.decision
     }
 
     /// Which tick comes next, counted from boot.
@@ -137,15 +137,15 @@ impl ControlLoop {
     /// The last tick, for telemetry.
     #[inline(always)]
     pub fn frame(&self) -> Frame {
-        let command = &self.command;
+        let decision = &self.decision;
         Frame {
             tick: self.tick.wrapping_sub(1),
             state: self.state(),
             conditions: self.conditions,
-            angle: command.estimate.state.angle,
-            rate: command.estimate.state.rate,
-            reference: command.reference,
-            demand: command.allocation.demand,
+            angle: decision.estimate.state.angle,
+            rate: decision.estimate.state.rate,
+            reference: decision.reference,
+            demand: decision.allocation.demand,
             volts: self.latched,
             supply: self.supply,
         }
@@ -157,13 +157,13 @@ impl ControlLoop {
         let (measured, moved) = self.read_encoders(inputs.counters);
         let mut belief = self.pipeline.believe(measured, self.latched);
         self.find_conditions(inputs, &belief.estimate, moved);
-        if self.supervise(inputs.wish, measured) {
+        if self.supervise(inputs.command, measured) {
             belief = self.pipeline.believe_once(measured, self.latched);
         }
-        let reference = self.follow(inputs.wish);
+        let reference = self.follow(inputs.command);
         self.decide(belief, reference, measured);
         self.supply = inputs.supply;
-        let duty = self.drive.duty(self.command.allocation.volts, inputs.supply);
+        let duty = self.drive.duty(self.decision.allocation.volts, inputs.supply);
         self.latched = self.drive.volts(duty, inputs.supply);
         self.tick = self.tick.wrapping_add(1);
         Outputs { duty, enable: self.state().motors_may_turn(), verdict: self.verdict }
@@ -188,7 +188,7 @@ impl ControlLoop {
             applied: self.latched,
             supply: inputs.supply,
             current_limit: inputs.current_limit,
-            demand: self.command.allocation.demand,
+            demand: self.decision.allocation.demand,
             zeroed: self.zeroed,
             armed: self.is_armed(),
             heard: inputs.heard,
@@ -203,11 +203,11 @@ impl ControlLoop {
 
     /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so do reference and
     /// monitor.
-    fn supervise(&mut self, wish: Option<&Wish>, measured: PerAxis<f32>) -> bool {
+    fn supervise(&mut self, command: Option<&OperatorCommand>, measured: PerAxis<f32>) -> bool {
         let before = self.supervisor.state();
-        let request = match (self.verdict.take(), wish) {
+        let request = match (self.verdict.take(), command) {
             (Some(_), _) => Some(Request::Disarm),
-            (None, Some(Wish::Request(request))) => Some(*request),
+            (None, Some(OperatorCommand::Request(request))) => Some(*request),
             _ => None,
         };
         if !self.supervisor.step(self.conditions, request) {
@@ -215,21 +215,21 @@ impl ControlLoop {
         }
         self.pipeline.restart(measured);
         match self.supervisor.state() {
-            State::Armed => {
+            ArmState::Armed => {
                 self.monitor.restart();
                 self.approach.begin(measured);
             }
-            State::Checking => self.check.restart(),
-            _ if before == State::Armed => self.approach.level(),
+            ArmState::Checking => self.check.restart(),
+            _ if before == ArmState::Armed => self.approach.level(),
             _ => {}
         }
         true
     }
 
-    fn follow(&mut self, wish: Option<&Wish>) -> Reference<f32> {
-        match wish {
-            Some(Wish::Setpoint(setpoint)) => self.approach.aim(*setpoint),
-            Some(Wish::Zero) if self.still >= STILL_TICKS && !self.supervisor.state().motors_may_turn() => {
+    fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
+        match command {
+            Some(OperatorCommand::Setpoint(setpoint)) => self.approach.aim(*setpoint),
+            Some(OperatorCommand::Zero) if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() => {
                 self.zero();
             }
             _ => {}
@@ -248,13 +248,13 @@ impl ControlLoop {
     /// What the motors are to do: what the law says when armed, what the check says when checking, else nothing.
     fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
         if self.is_armed() {
-            self.command = self.pipeline.decide(belief, &reference);
+            self.decision = self.pipeline.decide(belief, &reference);
             return;
         }
-        self.command = Command::idle(belief.estimate, reference.angle);
-        if self.supervisor.state() == State::Checking {
+        self.decision = Decision::idle(belief.estimate, reference.angle);
+        if self.supervisor.state() == ArmState::Checking {
             let (volts, verdict) = self.check.step(measured, self.still);
-            self.command.allocation.volts = volts;
+            self.decision.allocation.volts = volts;
             self.checked |= verdict == Some(Verdict::Passed);
             self.verdict = verdict;
         }

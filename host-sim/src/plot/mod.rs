@@ -117,7 +117,7 @@ const MOST_POINTS: usize = 1_200;
 
 static FONT: Once = Once::new();
 /// DejaVu Sans, subset to Latin, Greek and a few signs.
-const FONT_DATA: &[u8] = include_bytes!("../assets/DejaVuSans.ttf");
+const FONT_DATA: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 
 /// Refuses, before any work is done, a figure's path that could not be written.
 pub fn check(flag: &str, path: &Path) -> Outcome<()> {

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 use embassy_time::Timer;
-use twinrotor::supervisor::State;
+use twinrotor::supervisor::ArmState;
 
 const NOBODY: u8 = 0;
 const ASKED: u8 = 1;
@@ -41,12 +41,12 @@ impl Drop for TickAside {
 
 /// For the tick: is it to stand aside? `state` is looked at once, when the question is new.
 #[inline(always)]
-pub(crate) fn stands(state: impl FnOnce() -> State) -> bool {
+pub(crate) fn stands(state: impl FnOnce() -> ArmState) -> bool {
     match REQUEST.load(Ordering::Acquire) {
         NOBODY | REFUSED => false,
         GRANTED => true,
         _ => {
-            let may = matches!(state(), State::Disarmed | State::Ready);
+            let may = matches!(state(), ArmState::Disarmed | ArmState::Ready);
             REQUEST.store(if may { GRANTED } else { REFUSED }, Ordering::Release);
             may
         }

@@ -1,10 +1,10 @@
-//! Step 3 of the tick: may the motors turn? Conditions -> [`State`], by one table.
+//! Step 3 of the tick: may the motors turn? Conditions -> [`ArmState`], by one table.
 //!
 //! - A [`Condition`] is one named thing that is wrong now. [`crate::monitor`] detects them, with the
 //!   rule and the time written there; the firmware adds those that only a board can see.
 //! - While motors are off, every present condition is a *reason* not to arm, and the list of them
 //!   goes out with the telemetry. Reasons come and go by themselves.
-//! - While motors turn, a present *hazard* latches [`State::Fault`] with its name in the same tick.
+//! - While motors turn, a present *hazard* latches [`ArmState::Fault`] with its name in the same tick.
 //!   A fault stays until an explicit [`Request::ClearFault`] that arrives when no hazard is left.
 //!
 //! Each tick sees exactly one [`Event`], the first that applies in the order of their declaration,
@@ -180,7 +180,7 @@ impl Conditions {
 
 /// Whether the motors may turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
+pub enum ArmState {
     /// Motors off; at least one reason prevents arming.
     #[default]
     Disarmed,
@@ -194,7 +194,7 @@ pub enum State {
     Fault(Condition),
 }
 
-impl State {
+impl ArmState {
     /// The core's own yes to turning motors; the enable pin is the other one.
     #[must_use]
     pub const fn motors_may_turn(self) -> bool {
@@ -251,13 +251,13 @@ pub enum Next {
     /// Nothing changes.
     Stay,
     /// To this state.
-    To(State),
+    To(ArmState),
     /// To `Fault` with the first hazard's name.
     Latch,
 }
 
 use Next::{Latch, Stay, To};
-use State::{Armed, Checking, Disarmed, Ready};
+use ArmState::{Armed, Checking, Disarmed, Ready};
 
 /// Every transition there is: a row for each state, a column for each event.
 #[rustfmt::skip]
@@ -273,7 +273,7 @@ pub const TRANSITIONS: [[Next; 7]; 5] = [
 /// The state and its table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Supervisor {
-    state: State,
+    state: ArmState,
     /// What was present at the last step, if that changed nothing and nothing was asked: the same again changes nothing.
     settled: Option<Conditions>,
 }
@@ -283,14 +283,14 @@ impl Supervisor {
     #[must_use]
     pub const fn new(reset_cause: Option<Condition>) -> Self {
         match reset_cause {
-            None => Self { state: State::Disarmed, settled: None },
-            Some(cause) => Self { state: State::Fault(cause), settled: None },
+            None => Self { state: ArmState::Disarmed, settled: None },
+            Some(cause) => Self { state: ArmState::Fault(cause), settled: None },
         }
     }
 
     /// The state after the last step.
     #[must_use]
-    pub const fn state(&self) -> State {
+    pub const fn state(&self) -> ArmState {
         self.state
     }
 
@@ -313,7 +313,7 @@ impl Supervisor {
             hazards.first(),
         ) {
             (Some(To(next)), _) => *next,
-            (Some(Latch), Some(cause)) => State::Fault(cause),
+            (Some(Latch), Some(cause)) => ArmState::Fault(cause),
             _ => before,
         };
         let changes = self.state != before;
