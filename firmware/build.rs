@@ -1,4 +1,5 @@
-//! Hands the memory map to the linker, and compiles the default parameters into a record, with the core's own code.
+//! Hands the memory map to the linker, and compiles the default parameters into a record, with the core's own
+//! code.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -7,8 +8,9 @@ use twinrotor::parameters::{Parameters, SAMPLE_TIME, store};
 use twinrotor::pipeline::Settings;
 use twinrotor::{defaults, plant::presets};
 
-/// The rig of a board in which nothing is stored yet, with the controller tuned for it: this one, or the preset that
-/// `TWINROTOR_PRESET` names when the firmware is built. Such a board does not arm before somebody stores parameters on purpose.
+/// The rig of a board in which nothing is stored yet, with the controller tuned for it: this one, or the
+/// preset that `TWINROTOR_PRESET` names when the firmware is built. Such a board does not arm before somebody
+/// stores parameters on purpose.
 const DEFAULT_PRESET: &str = "aero2";
 const PRESET_VARIABLE: &str = "TWINROTOR_PRESET";
 

@@ -6,9 +6,9 @@ use crate::reference::Reference;
 
 /// The setpoint in force, and what is left of the way to it after arming.
 ///
-/// At arming the reference begins where the rig is and runs to the setpoint at a limited rate, each axis on its own; from
-/// then on a new setpoint counts as it is. A setpoint with a rate or an acceleration moves on by itself, so that a host that
-/// sends a hundred a second gives a smooth reference.
+/// At arming the reference begins where the rig is and runs to the setpoint at a limited rate, each axis on
+/// its own; from then on a new setpoint counts as it is. A setpoint with a rate or an acceleration moves on
+/// by itself, so that a host that sends a hundred a second gives a smooth reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
     setpoint: Reference<f32>,

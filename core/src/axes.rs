@@ -1,8 +1,7 @@
 //! The two axes and the two motors, kept apart by type.
 //!
-//! Torque, angle and gains belong to an axis, voltage to a motor. Only
-//! [`crate::allocation`] and [`crate::plant::Effectiveness`] turn one into the other, so a wrong mixer order does
-//! not compile.
+//! Torque, angle and gains belong to an axis, voltage to a motor. Only [`crate::allocation`] and
+//! [`crate::plant::Effectiveness`] turn one into the other, so a wrong mixer order does not compile.
 
 use crate::real::Real;
 use serde::{Deserialize, Serialize};

@@ -1,23 +1,27 @@
-//! A third-order command filter: from a setpoint that may jump to an angle, a rate and an acceleration that belong together.
+//! A third-order command filter: from a setpoint that may jump to an angle, a rate and an acceleration that
+//! belong together.
 //!
-//! r''' = ω³ (q_d - r) + (1 + 2 ζ) ω² (q̇_d - ṙ) + (1 + 2 ζ) ω (q̈_d - r̈): a pole at -ω and a pair of the same ω with damping ratio ζ,
-//! and no lag behind a reference that brings its derivatives. The jerk is held over a tick, so that angle, rate and acceleration are
-//! exact integrals of each other. With ζ = 1 a step never overshoots; with ζ = .8 it does by .31 % and, for the same greatest
-//! acceleration, is within 2 % in four fifths of the time.
+//! r''' = ω³ (q_d - r) + (1 + 2 ζ) ω² (q̇_d - ṙ) + (1 + 2 ζ) ω (q̈_d - r̈): a pole at -ω and a pair of the
+//! same ω with damping ratio ζ, and no lag behind a reference that brings its derivatives. The jerk is held
+//! over a tick, so that angle, rate and acceleration are exact integrals of each other. With ζ = 1 a step
+//! never overshoots; with ζ = .8 it does by .31 % and, for the same greatest acceleration, is within 2 % in
+//! four fifths of the time.
 //!
-//! What is asked for takes effect late: rotors of lag τ turn a wanted r̈ into r̈/(τ s + 1). The acceleration that is given out is
-//! r̈ + T_a r⃛ (jerk feed-forward), which a lag of τ = T_a turns into r̈ itself. It is outside the loop: a lag that differs
-//! leaves an error that dies with the jerk, never an instability, as a lead in the loop can ([`lead`](crate::lead)).
+//! What is asked for takes effect late: rotors of lag τ turn a wanted r̈ into r̈/(τ s + 1). The acceleration
+//! that is given out is r̈ + T_a r⃛ (jerk feed-forward), which a lag of τ = T_a turns into r̈ itself. It is
+//! outside the loop: a lag that differs leaves an error that dies with the jerk, never an instability, as a
+//! lead in the loop can ([`lead`](crate::lead)).
 //!
-//! The error q_d - r is clamped to the filter's reach. Within it nothing changes; a longer way is gone at the steady rate
-//! ω reach/(1 + 2 ζ), and for ζ of at least .6 no way asks for more acceleration than 1.02 times what a step of that size asks for: a
-//! controller that is tried on the one holds on the other
-//! (a command filter with a limited rate, as in Farrell, Polycarpou, Sharma and Dong, "Command filtered backstepping", IEEE
-//! Transactions on Automatic Control 54(6), 2009). From that rate it overshoots by no larger a part of the reach than a step does of itself; with ζ = 1
-//! the remaining error is (1 + 2 ωt/3 + (ωt)²/6) exp(-ωt) of the reach.
+//! The error q_d - r is clamped to the filter's reach. Within it nothing changes; a longer way is gone at the
+//! steady rate ω reach/(1 + 2 ζ), and for ζ of at least .6 no way asks for more acceleration than 1.02 times
+//! what a step of that size asks for: a controller that is tried on the one holds on the other (a command
+//! filter with a limited rate, as in Farrell, Polycarpou, Sharma and Dong, "Command filtered backstepping",
+//! IEEE Transactions on Automatic Control 54(6), 2009). From that rate it overshoots by no larger a part of
+//! the reach than a step does of itself; with ζ = 1 the remaining error is (1 + 2 ωt/3 + (ωt)²/6) exp(-ωt) of
+//! the reach.
 //!
-//! A law that is given a raw jump asks for its full stiffness at once and clips the voltage, where no stability argument
-//! holds; a filtered one asks for what the rotors can follow.
+//! A law that is given a raw jump asks for its full stiffness at once and clips the voltage, where no
+//! stability argument holds; a filtered one asks for what the rotors can follow.
 
 use crate::axes::PerAxis;
 use crate::real::Real;
@@ -184,7 +188,8 @@ mod tests {
         }
     }
 
-    /// Rotors of that lag turn the advanced acceleration into the filter's own; those without make of it what they are asked for.
+    /// Rotors of that lag turn the advanced acceleration into the filter's own; those without make of it what
+    /// they are asked for.
     #[test]
     fn an_advance_is_undone_by_a_lag_of_its_size() {
         let lag = 0.12;
@@ -201,8 +206,9 @@ mod tests {
         }
     }
 
-    /// Within its reach a step is what it would be without; beyond, the rate is ω reach/(1 + 2 ζ), and the acceleration hardly
-    /// more than a step of its reach asks for (for equal poles in closed form .2306 and .2331 of ω² reach).
+    /// Within its reach a step is what it would be without; beyond, the rate is ω reach/(1 + 2 ζ), and the
+    /// acceleration hardly more than a step of its reach asks for (for equal poles in closed form .2306 and
+    /// .2331 of ω² reach).
     #[test]
     fn a_far_goal_asks_for_hardly_more_than_one_within_reach() {
         let reach = 0.5;

@@ -4,8 +4,8 @@ use crate::real::Real;
 
 /// A running sum that carries the rounding error of every addition along (Kahan's summation).
 ///
-/// Near its goal an `f32` angle of .7 rad changes by less than half a unit in its last place per tick, so a plain
-/// sum stops short by a false steady error that *grows* as the step shrinks: .06 degrees at 10 us. With
+/// Near its goal an `f32` angle of .7 rad changes by less than half a unit in its last place per tick, so a
+/// plain sum stops short by a false steady error that *grows* as the step shrinks: .06 degrees at 10 us. With
 /// compensation a run stays within 1e-5 degrees of `f64` at any step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Compensated<R> {

@@ -1,5 +1,5 @@
-//! The controllers that boards boot with, one for each preset: the numbers of the committed gains files, which say how they were
-//! tuned. A test of the host holds the two equal.
+//! The controllers that boards boot with, one for each preset: the numbers of the committed gains files,
+//! which say how they were tuned. A test of the host holds the two equal.
 
 use crate::allocation::AllocationSettings;
 use crate::axes::PerAxis;

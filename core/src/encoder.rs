@@ -45,8 +45,8 @@ impl Encoder {
         Self { width, angle_per_count, last: reading, position }
     }
 
-    /// Takes a reading of the counter and gives the angle \[rad\] from zero. Higher bits than the counter has are
-    /// ignored.
+    /// Takes a reading of the counter and gives the angle \[rad\] from zero. Higher bits than the counter has
+    /// are ignored.
     #[inline]
     pub fn read(&mut self, reading: u32) -> f32 {
         self.position = self.position.wrapping_add(self.width.step(self.last, reading));

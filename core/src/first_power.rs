@@ -1,10 +1,11 @@
-//! The first-power check: before a rig is armed for the first time, each motor in turn gets a low voltage for a moment,
-//! and what the encoders show says whether the wiring is right.
+//! The first-power check: before a rig is armed for the first time, each motor in turn gets a low voltage for
+//! a moment, and what the encoders show says whether the wiring is right.
 //!
-//! For each motor: wait until the rig lies still, push with the volts of `limits.check` until it has moved far enough or
-//! [`PUSH_TICKS`] are over, let it come to rest. The directions in which the two pushes turned the rig are compared with
-//! those that the preset's whole model predicts ([`Push::predicted`]), under each way of connecting things wrongly. Two
-//! ways look the same from here: both motors reversed, or both encoders; the verdict names the motors.
+//! For each motor: wait until the rig lies still, push with the volts of `limits.check` until it has moved
+//! far enough or [`PUSH_TICKS`] are over, let it come to rest. The directions in which the two pushes turned
+//! the rig are compared with those that the preset's whole model predicts ([`Push::predicted`]), under each
+//! way of connecting things wrongly. Two ways look the same from here: both motors reversed, or both
+//! encoders; the verdict names the motors.
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::{Parameters, SAMPLE_TIME};
@@ -15,8 +16,8 @@ use serde::{Deserialize, Serialize};
 
 /// \[ticks\] Longest push of a motor.
 pub const PUSH_TICKS: u32 = 1_500;
-/// \[ticks\] Without a count on either encoder: the rig lies still. Long enough that the turning point of a slow swing (an
-/// Aero's period is 5 s) does not count as rest.
+/// \[ticks\] Without a count on either encoder: the rig lies still. Long enough that the turning point of a
+/// slow swing (an Aero's period is 5 s) does not count as rest.
 pub const REST_TICKS: u32 = 1_500;
 /// \[ticks\] Longest wait for that: an Aero 2 swings on for two minutes. A hand may stop it.
 pub const SETTLE_TICKS: u32 = 180_000;
@@ -39,8 +40,9 @@ pub struct Push {
 }
 
 impl Push {
-    /// What `volts` on one motor at a time do to a rig, by its whole model: friction may hold one axis, the reaction of a
-    /// rotor that starts to turn may outweigh its thrust, and a nose that its weight pulls down lies on something.
+    /// What `volts` on one motor at a time do to a rig, by its whole model: friction may hold one axis, the
+    /// reaction of a rotor that starts to turn may outweigh its thrust, and a nose that its weight pulls down
+    /// lies on something.
     pub fn predicted(rig: &Rig, volts: PerMotor<f64>) -> PerMotor<Self> {
         let push = |volts, own: fn(f64) -> PerMotor<f64>, other: fn(f64) -> PerMotor<f64>| Self {
             volts: f32::from_f64(volts),
@@ -171,8 +173,8 @@ impl FirstPowerCheck {
         self.ticks = 0;
     }
 
-    /// One tick: `angle` \[rad\], and for how many ticks no encoder has moved. Gives the volts for the motors and, at
-    /// the end, the verdict.
+    /// One tick: `angle` \[rad\], and for how many ticks no encoder has moved. Gives the volts for the motors
+    /// and, at the end, the verdict.
     pub fn step(&mut self, angle: PerAxis<f32>, still: u32) -> (PerMotor<f32>, Option<Verdict>) {
         self.ticks = self.ticks.saturating_add(1);
         match self.phase {

@@ -5,8 +5,8 @@ use crate::real::Real;
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
-/// The two gains of one axis. The closed loop has K_p = 1 + position x rate and K_d = position + rate, so the two
-/// may be swapped without changing anything.
+/// The two gains of one axis. The closed loop has K_p = 1 + position x rate and K_d = position + rate, so the
+/// two may be swapped without changing anything.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisGains<R> {

@@ -1,10 +1,12 @@
 //! Lead against rotor lag: more than the wanted volts for as long as they are not yet in effect.
 //!
-//! With the volts in effect V_m and those wanted V_d, u = V_m + κ (V_d - V_m). The lag τ dV_m/dt = u - V_m then becomes
-//! (τ/κ) dV_m/dt = V_d - V_m: the rotors answer κ times as fast, as long as nothing clips and τ is the one believed.
+//! With the volts in effect V_m and those wanted V_d, u = V_m + κ (V_d - V_m). The lag τ dV_m/dt = u - V_m
+//! then becomes (τ/κ) dV_m/dt = V_d - V_m: the rotors answer κ times as fast, as long as nothing clips and τ
+//! is the one believed.
 //!
-//! Where the true lag is shorter than believed, the estimate of V_m trails the truth and the lead pushes at the wrong time:
-//! the loop can end in a limit cycle. Use it where the lag is known (identified, or a tachometer fitted).
+//! Where the true lag is shorter than believed, the estimate of V_m trails the truth and the lead pushes at
+//! the wrong time: the loop can end in a limit cycle. Use it where the lag is known (identified, or a
+//! tachometer fitted).
 
 use crate::axes::PerMotor;
 use crate::real::Real;

@@ -1,18 +1,21 @@
-//! Twinrotor's control core: the plant model, the backstepping law, the saturation logic and the tick that a board runs.
+//! Twinrotor's control core: the plant model, the backstepping law, the saturation logic and the tick that a
+//! board runs.
 //!
-//! No I/O, no clock, no allocation, no `unsafe`; nothing panics in a tick. The same source computes in `f32` on an STM32, in
-//! `f64` when it is verified, and in lanes of `f32` when the tuner flies thousands of candidates: what was tuned is, bit for
-//! bit, what flies.
+//! No I/O, no clock, no allocation, no `unsafe`; nothing panics in a tick. The same source computes in `f32`
+//! on an STM32, in `f64` when it is verified, and in lanes of `f32` when the tuner flies thousands of
+//! candidates: what was tuned is, bit for bit, what flies.
 //!
 //! # Signs and axes
 //!
-//! Pitch θ is positive nose up, zero at the horizontal. Yaw ψ is positive as positive volts on the tail motor turn it. Positive
-//! volts on the main motor raise the nose. Errors are reference minus actual, as in the paper.
+//! Pitch θ is positive nose up, zero at the horizontal. Yaw ψ is positive as positive volts on the tail motor
+//! turn it. Positive volts on the main motor raise the nose. Errors are reference minus actual, as in the
+//! paper.
 //!
 //! # Units
 //!
-//! SI without suffix: rad, rad/s, rad/s², V, N m, s, kg, m, A. Anything else carries its unit in its name. Public fields say unit
-//! and range first. Time is an integer tick; seconds are `tick * sample_time`, never a sum.
+//! SI without suffix: rad, rad/s, rad/s², V, N m, s, kg, m, A. Anything else carries its unit in its name.
+//! Public fields say unit and range first. Time is an integer tick; seconds are `tick * sample_time`, never a
+//! sum.
 //!
 //! # The tick
 //!
@@ -23,9 +26,9 @@
 //! 6. [`allocation`]: torque to motor volts, eqs (28)-(29), within limits, after [`lead`] against rotor lag.
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers.
 //!
-//! [`pipeline`] is steps 2, 4, 5 and 6 over any [`Real`](real::Real), [`control_loop`] all of it. "Eq. (26)" and "Table 3" mean those
-//! of "Backstepping control of Quanser's 2-DOF Helicopter under disturbance and actuator saturation based on Flower Pollination
-//! Algorithm".
+//! [`pipeline`] is steps 2, 4, 5 and 6 over any [`Real`](real::Real), [`control_loop`] all of it. "Eq. (26)"
+//! and "Table 3" mean those of "Backstepping control of Quanser's 2-DOF Helicopter under disturbance and
+//! actuator saturation based on Flower Pollination Algorithm".
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -83,5 +86,6 @@ pub mod defaults;
 pub mod link;
 pub mod parameters;
 
-/// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in degrees.
+/// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in
+/// degrees.
 pub const DEGREE: f64 = core::f64::consts::PI / 180.0;

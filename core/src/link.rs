@@ -1,8 +1,8 @@
 //! What host and board say to each other: messages as data, no transport.
 //!
-//! On the wire a message is `COBS([version][postcard][CRC-32 of both, little endian])` and a zero byte. A zero byte never
-//! occurs inside, so a receiver that comes late, or loses bytes, is in step again after the next one; what is damaged fails
-//! its CRC and is dropped.
+//! On the wire a message is `COBS([version][postcard][CRC-32 of both, little endian])` and a zero byte. A
+//! zero byte never occurs inside, so a receiver that comes late, or loses bytes, is in step again after the
+//! next one; what is damaged fails its CRC and is dropped.
 
 use crate::control_loop::OperatorCommand;
 use crate::first_power::Verdict;
@@ -333,7 +333,8 @@ mod tests {
         }
     }
 
-    /// The bytes themselves, so that a change of the protocol cannot go unnoticed: version 1, variant 0, CRC-32.
+    /// The bytes themselves, so that a change of the protocol cannot go unnoticed: version 1, variant 0,
+    /// CRC-32.
     #[test]
     fn alive_on_the_wire() {
         let crc = CRC.checksum(&[VERSION, 0]).to_le_bytes();

@@ -1,5 +1,5 @@
-//! Steps 2, 4, 5 and 6 of the tick over any [`Real`]: what runs on the board, in the simulator and in the lanes of the
-//! tuner. Nothing in it branches on a number, so every lane does the same.
+//! Steps 2, 4, 5 and 6 of the tick over any [`Real`]: what runs on the board, in the simulator and in the
+//! lanes of the tuner. Nothing in it branches on a number, so every lane does the same.
 
 use crate::allocation::{Allocation, Allocator, CurrentLimit, CurrentLimitSettings, VoltsRange};
 use crate::axes::{PerAxis, PerMotor};
@@ -17,11 +17,11 @@ use crate::rotor_model::RotorModel;
 use crate::validate::{Invalid, positive};
 use serde::{Deserialize, Serialize};
 
-/// What a controller is made from: the rig as it is believed to be, and the user's choices, before anything is derived from
-/// them.
+/// What a controller is made from: the rig as it is believed to be, and the user's choices, before anything
+/// is derived from them.
 ///
-/// Everything that the pipeline derives from them is basic arithmetic in `R`, so a board that is given the same numbers
-/// derives the same bits.
+/// Everything that the pipeline derives from them is basic arithmetic in `R`, so a board that is given the
+/// same numbers derives the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings<R> {
@@ -87,7 +87,8 @@ impl<R: Real> Settings<R> {
         }
     }
 
-    /// The same for the paper's world, whose rotors answer at once: without what only makes sense with rotors that do not.
+    /// The same for the paper's world, whose rotors answer at once: without what only makes sense with rotors
+    /// that do not.
     pub fn for_ideal_rotors(self) -> Self {
         Self {
             current_limit: None,
@@ -158,7 +159,8 @@ impl<R: Real> Pipeline<R> {
         }
     }
 
-    /// One tick: the angles measured now \[rad\], the volts that act from now to the next tick, and the setpoint.
+    /// One tick: the angles measured now \[rad\], the volts that act from now to the next tick, and the
+    /// setpoint.
     #[inline(always)]
     pub fn tick(
         &mut self,
@@ -170,8 +172,8 @@ impl<R: Real> Pipeline<R> {
         self.decide(belief, setpoint)
     }
 
-    /// Starts afresh at `angle` \[rad\], at rest: as [`Pipeline::new`] from the same settings, but that rotors which turn still do,
-    /// and motors which are warm still are.
+    /// Starts afresh at `angle` \[rad\], at rest: as [`Pipeline::new`] from the same settings, but that
+    /// rotors which turn still do, and motors which are warm still are.
     pub fn restart(&mut self, angle: PerAxis<R>) {
         self.estimator.restart(angle);
         if let Some(filter) = &mut self.filter {
@@ -180,7 +182,8 @@ impl<R: Real> Pipeline<R> {
         self.law.restart();
     }
 
-    /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to the next tick.
+    /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to
+    /// the next tick.
     #[inline(always)]
     pub fn believe(&mut self, measured: PerAxis<R>, applied: PerMotor<R>) -> Belief<R> {
         let torque = match &mut self.rotors {

@@ -21,7 +21,8 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
     fn any(self) -> bool;
     /// Is it true in every lane?
     fn all(self) -> bool;
-    /// Is it true in lane `index`, which is below [`Real::LANES`]? A plain truth value has but one lane, whatever the index.
+    /// Is it true in lane `index`, which is below [`Real::LANES`]? A plain truth value has but one lane,
+    /// whatever the index.
     fn lane(self, index: usize) -> bool;
 }
 
@@ -53,7 +54,8 @@ pub trait Real:
     fn splat(value: Self::Scalar) -> Self;
     /// Lane k holds what `f` gives for k.
     fn from_fn(f: impl FnMut(usize) -> Self::Scalar) -> Self;
-    /// The number in lane `index`, which is below [`Real::LANES`]. A plain number has but one lane, whatever the index.
+    /// The number in lane `index`, which is below [`Real::LANES`]. A plain number has but one lane, whatever
+    /// the index.
     fn lane(self, index: usize) -> Self::Scalar;
 
     /// Magnitude.

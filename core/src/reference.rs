@@ -1,8 +1,8 @@
 //! Step 4 of the tick: where the helicopter should be, with exact derivatives; and the paper's scenarios.
 //!
-//! Time is an integer tick. A sinusoid's phase is a 64-bit fraction of a turn, `tick` times a step that wraps around by
-//! itself, so a reference is as exact after an hour as at the start, in `f32` too (2 units in the last place of its
-//! amplitude), and its argument never grows.
+//! Time is an integer tick. A sinusoid's phase is a 64-bit fraction of a turn, `tick` times a step that wraps
+//! around by itself, so a reference is as exact after an hour as at the start, in `f32` too (2 units in the
+//! last place of its amplitude), and its argument never grows.
 
 use crate::DEGREE;
 use crate::axes::PerAxis;
@@ -75,8 +75,8 @@ impl<R: Real<Scalar = R>> Profile<R> {
         Self::Steps { initial: R::from_f64(angle), jumps: Vec::new(), period: 0 }
     }
 
-    /// offset + amplitude sin(ω t + phase): `offset`, `amplitude`, `phase` in rad, ω = `frequency` in rad/s of at
-    /// least 0, `sample_time` in s.
+    /// offset + amplitude sin(ω t + phase): `offset`, `amplitude`, `phase` in rad, ω = `frequency` in rad/s
+    /// of at least 0, `sample_time` in s.
     pub fn sine(offset: f64, amplitude: f64, frequency: f64, phase: f64, sample_time: f64) -> Self {
         Self::Sine {
             offset: R::from_f64(offset),
@@ -149,13 +149,14 @@ impl<R: Real<Scalar = R>> Trajectory<R> {
         Self::new(Profile::hold(15.0 * DEGREE), Profile::hold(40.0 * DEGREE))
     }
 
-    /// Scenario 1 and scenario 3 as printed, eqs (32)-(33) and (36)-(37): pitch 20 degrees, yaw 40 sin(.08 t) degrees.
+    /// Scenario 1 and scenario 3 as printed, eqs (32)-(33) and (36)-(37): pitch 20 degrees, yaw 40 sin(.08 t)
+    /// degrees.
     pub fn paper_sine(sample_time: f64) -> Self {
         Self::new(Profile::hold(20.0 * DEGREE), Profile::sine(0.0, 40.0 * DEGREE, 0.08, 0.0, sample_time))
     }
 
-    /// Scenario 2, eqs (34)-(35): pitch 10 degrees, yaw jumps at 8, 16, 24 and 32 s. (The text under Fig. 7 says 8, 16,
-    /// 23 and 30 s; the equation is followed.)
+    /// Scenario 2, eqs (34)-(35): pitch 10 degrees, yaw jumps at 8, 16, 24 and 32 s. (The text under Fig. 7
+    /// says 8, 16, 23 and 30 s; the equation is followed.)
     pub fn paper_square_yaw(sample_time: f64) -> Self {
         let yaw = Profile::steps(
             0.0,
@@ -167,8 +168,9 @@ impl<R: Real<Scalar = R>> Trajectory<R> {
         Self::new(Profile::hold(10.0 * DEGREE), yaw)
     }
 
-    /// Scenario 3 as the text at Fig. 9 describes it, against eq. (36): a square pitch reference. The paper gives
-    /// neither its levels nor its period; 20 and 10 degrees, 5 s each, are taken here. Yaw as in eq. (37).
+    /// Scenario 3 as the text at Fig. 9 describes it, against eq. (36): a square pitch reference. The paper
+    /// gives neither its levels nor its period; 20 and 10 degrees, 5 s each, are taken here. Yaw as in eq.
+    /// (37).
     pub fn paper_square_pitch(sample_time: f64) -> Self {
         let pitch = Profile::steps(20.0 * DEGREE, &[(5.0, 10.0 * DEGREE)], 10.0, sample_time);
         Self::new(pitch, Self::paper_sine(sample_time).yaw)
@@ -176,8 +178,9 @@ impl<R: Real<Scalar = R>> Trajectory<R> {
 }
 
 impl<R: Real<Scalar = R>> Profile<R> {
-    /// `initial` \[rad\], then from each time \[s\] on the angle \[rad\] beside it, all over again every `period` \[s\] if
-    /// that is not 0. Jumps beyond the first [`MAX_JUMPS`] are left out: callers check. Times are rounded to ticks.
+    /// `initial` \[rad\], then from each time \[s\] on the angle \[rad\] beside it, all over again every
+    /// `period` \[s\] if that is not 0. Jumps beyond the first [`MAX_JUMPS`] are left out: callers check.
+    /// Times are rounded to ticks.
     pub fn steps(initial: f64, jumps: &[(f64, f64)], period: f64, sample_time: f64) -> Self {
         Self::Steps {
             initial: R::from_f64(initial),

@@ -1,7 +1,8 @@
 //! A recorded flight through the controller: what would it have believed, and asked for?
 //!
-//! Host and board both do it with this, each with its own build of the same arithmetic, so that a log can be taken to a real
-//! board over the link and its answers compared bit for bit. No motor has a part in it, and no tick.
+//! Host and board both do it with this, each with its own build of the same arithmetic, so that a log can be
+//! taken to a real board over the link and its answers compared bit for bit. No motor has a part in it, and
+//! no tick.
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::{EncoderScale, Parameters};

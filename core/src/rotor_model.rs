@@ -1,7 +1,9 @@
-//! The rotors as the controller believes them: from the volts really applied to the volts in effect, and to torque.
+//! The rotors as the controller believes them: from the volts really applied to the volts in effect, and to
+//! torque.
 //!
-//! Thrust follows the volts with a lag of .05 to .16 s, which is longer than the closed loop takes to react. An observer that
-//! is fed the volts asked for, or takes them to act at once, mistakes the lag for a disturbance.
+//! Thrust follows the volts with a lag of .05 to .16 s, which is longer than the closed loop takes to react.
+//! An observer that is fed the volts asked for, or takes them to act at once, mistakes the lag for a
+//! disturbance.
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::{Effectiveness, PlantParameters};
@@ -42,8 +44,8 @@ impl<R: Real> RotorModel<R> {
         }
     }
 
-    /// \[V\] In effect at the end of the tick that [`RotorModel::advance`] has entered: when the command that is worked out
-    /// in this tick begins to act.
+    /// \[V\] In effect at the end of the tick that [`RotorModel::advance`] has entered: when the command that
+    /// is worked out in this tick begins to act.
     #[inline(always)]
     pub fn volts(&self) -> PerMotor<R> {
         self.volts
@@ -72,7 +74,8 @@ mod tests {
     use super::*;
     use crate::plant::{LaggedRotors, Thrust, presets};
 
-    /// Over any tick, the model's mean torque is the plant's (Simpson's mean of its three), where the model is right.
+    /// Over any tick, the model's mean torque is the plant's (Simpson's mean of its three), where the model
+    /// is right.
     #[test]
     fn gives_the_torque_of_the_plants_rotors() {
         for (name, rig) in presets::ALL {

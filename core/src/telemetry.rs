@@ -1,7 +1,7 @@
 //! Step 8 of the tick: what the tick saw, decided and did, raw; people's units come later, on the host.
 
 use crate::axes::{PerAxis, PerMotor};
-use crate::supervisor::{Conditions, ArmState};
+use crate::supervisor::{ArmState, Conditions};
 use serde::{Deserialize, Serialize};
 
 /// One tick.

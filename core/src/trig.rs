@@ -23,7 +23,8 @@ const TWO_OVER_PI: f64 = core::f64::consts::FRAC_2_PI;
 const HALF_PI: [f64; 3] = [1.570_312_5, 4.837_512_969_970_703e-4, 7.549_789_954_891_9e-8];
 /// (sin r - r)/r^3 in powers of r^2, |r| <= pi/4. Minimax coefficients of the Cephes library's `sinf`.
 const SINE: [f64; 3] = [-1.666_665_461_1e-1, 8.332_160_873_6e-3, -1.951_529_589_1e-4];
-/// (cos r - 1 + r^2/2)/r^4 in powers of r^2, |r| <= pi/4. Minimax coefficients of the Cephes library's `cosf`.
+/// (cos r - 1 + r^2/2)/r^4 in powers of r^2, |r| <= pi/4. Minimax coefficients of the Cephes library's
+/// `cosf`.
 const COSINE: [f64; 3] = [4.166_664_568_298_827e-2, -1.388_731_625_493_765e-3, 2.443_315_711_809_948e-5];
 
 /// \[rad\] Below this magnitude, a little under pi/4, the quadrant is zero.
@@ -34,8 +35,9 @@ const FIRST_QUADRANT: f64 = 0.785;
 /// Good for |x| up to 8,000 rad; beyond that accuracy fades (references are reduced before they get here,
 /// see [`crate::reference`]). NaN and infinity give NaN.
 ///
-/// Where all lanes are in the first quadrant, as a helicopter's pitch is, nothing is reduced or exchanged. The bits are those
-/// of the whole routine: with a quadrant of zero it would subtract three zeros and choose what is there.
+/// Where all lanes are in the first quadrant, as a helicopter's pitch is, nothing is reduced or exchanged.
+/// The bits are those of the whole routine: with a quadrant of zero it would subtract three zeros and choose
+/// what is there.
 #[inline(always)]
 pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     if x.abs().lt(R::from_f64(FIRST_QUADRANT)).all() {

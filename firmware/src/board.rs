@@ -1,4 +1,5 @@
-//! Which pin and which timer does what: the one file to change for another board. `docs/wiring.md` is its picture.
+//! Which pin and which timer does what: the one file to change for another board. `docs/wiring.md` is its
+//! picture.
 
 use crate::critical::BELOW_TICK;
 use crate::port::amplifier::{Amplifier, Outputs};
@@ -26,7 +27,8 @@ pub(crate) const AMPLIFIER: Amplifier =
 pub(crate) const PWM: pac::timer::TimAdv = pac::TIM1;
 /// \[counts\] Dead time between the two outputs of a half bridge, of 1/168 MHz: .5 µs.
 pub(crate) const DEAD_TIME: u8 = 84;
-/// The converter of the amplifiers' supply, its channel, and the volts of its full scale: 3.3 V behind 100 k and 10 k ohm.
+/// The converter of the amplifiers' supply, its channel, and the volts of its full scale: 3.3 V behind 100 k
+/// and 10 k ohm.
 pub(crate) const SUPPLY: (pac::adc::Adc, u8, f32) = (pac::ADC1, 10, 3.3 * 11.0);
 /// The emergency stop's port, as SYSCFG numbers them from A = 0, and pin.
 pub(crate) const EMERGENCY_STOP: (pac::gpio::Gpio, u8, u8) = (pac::GPIOB, 1, 12);

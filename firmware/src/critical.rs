@@ -1,8 +1,8 @@
 //! Critical sections that leave the tick alone.
 //!
-//! Masking by BASEPRI instead of PRIMASK lets interrupts of priority 0 pass: the tick, the emergency stop and the brown-out
-//! detector. In return these three may touch nothing that a critical section protects; what they share with the rest is
-//! lock-free ([`crate::shared`]).
+//! Masking by BASEPRI instead of PRIMASK lets interrupts of priority 0 pass: the tick, the emergency stop and
+//! the brown-out detector. In return these three may touch nothing that a critical section protects; what
+//! they share with the rest is lock-free ([`crate::shared`]).
 
 use cortex_m::register::{basepri, basepri_max};
 use embassy_stm32::interrupt::Priority;
@@ -17,8 +17,8 @@ struct BelowTick;
 critical_section::set_impl!(BelowTick);
 
 #[expect(unsafe_code, reason = "the crate's interface")]
-// SAFETY: everything that uses critical sections runs in the thread or in interrupts of priority 1 and below, which BASEPRI
-// masks from acquire to release; nesting restores what was found.
+// SAFETY: everything that uses critical sections runs in the thread or in interrupts of priority 1 and below,
+// which BASEPRI masks from acquire to release; nesting restores what was found.
 unsafe impl critical_section::Impl for BelowTick {
     unsafe fn acquire() -> critical_section::RawRestoreState {
         let before = basepri::read();
@@ -32,7 +32,8 @@ unsafe impl critical_section::Impl for BelowTick {
     }
 }
 
-/// Gives every interrupt a priority that critical sections mask; those few that must not wait are raised later.
+/// Gives every interrupt a priority that critical sections mask; those few that must not wait are raised
+/// later.
 pub(crate) fn lower_all_interrupts() {
     const NVIC_IPR: *mut u8 = 0xE000_E400 as *mut u8;
     const INTERRUPTS: usize = 97;

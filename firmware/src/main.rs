@@ -1,24 +1,24 @@
 //! Twinrotor on an STM32F4: the 1 kHz tick, and everything that must not delay it.
 //!
-//! The tick is an interrupt of the highest priority, raised by the timer that also makes the PWM ([`tick`]). It alone drives
-//! the motors, through [`port`]. All else is in the thread: the serial link ([`serial`]), the parameters in flash
-//! ([`storage`]), the status LED. The two share lock-free queues and atomics ([`shared`]), and no critical section of the
-//! thread masks the tick ([`critical`]).
+//! The tick is an interrupt of the highest priority, raised by the timer that also makes the PWM ([`tick`]).
+//! It alone drives the motors, through [`port`]. All else is in the thread: the serial link ([`serial`]), the
+//! parameters in flash ([`storage`]), the status LED. The two share lock-free queues and atomics
+//! ([`shared`]), and no critical section of the thread masks the tick ([`critical`]).
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(target_os = "none")]
-mod quiesce;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
 mod critical;
 #[cfg(target_os = "none")]
-mod reset_record;
-#[cfg(target_os = "none")]
 mod led;
 #[cfg(target_os = "none")]
 mod port;
+#[cfg(target_os = "none")]
+mod quiesce;
+#[cfg(target_os = "none")]
+mod reset_record;
 #[cfg(target_os = "none")]
 mod serial;
 #[cfg(target_os = "none")]

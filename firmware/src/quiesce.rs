@@ -1,4 +1,5 @@
-//! How the thread gets the tick out of its way: to write the flash, which stalls the core, and to change parameters.
+//! How the thread gets the tick out of its way: to write the flash, which stalls the core, and to change
+//! parameters.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 use embassy_time::Timer;
@@ -11,8 +12,8 @@ const REFUSED: u8 = 3;
 
 static REQUEST: AtomicU8 = AtomicU8::new(NOBODY);
 
-/// The tick stands aside for as long as this exists: it keeps the motors off, does nothing else, and may be missed. There is
-/// one at a time, since one task asks.
+/// The tick stands aside for as long as this exists: it keeps the motors off, does nothing else, and may be
+/// missed. There is one at a time, since one task asks.
 pub(crate) struct TickAside(());
 
 impl TickAside {

@@ -103,7 +103,8 @@ fn caller() -> u32 {
     cortex_m::register::lr::read()
 }
 
-// A stack that has overflowed cannot be used, not even by the fault's handler: begin it anew, after keeping where it was.
+// A stack that has overflowed cannot be used, not even by the fault's handler: begin it anew, after keeping
+// where it was.
 #[expect(unsafe_code, reason = "a handler that must not touch its stack")]
 mod hard_fault {
     core::arch::global_asm!(

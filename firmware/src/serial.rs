@@ -1,8 +1,8 @@
 //! The serial link: commands in, answers and telemetry out, both by DMA, never in the way of a tick.
 
-use crate::quiesce::TickAside;
 use crate::board::CHIP;
-use crate::shared::{FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, Commands};
+use crate::quiesce::TickAside;
+use crate::shared::{Commands, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX};
 use crate::storage::Storage;
 use crate::{stack, tick};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -76,8 +76,8 @@ async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) 
     }
 }
 
-/// The tick has something to send. It may not touch what critical sections protect, so an interrupt of low priority, which the
-/// chip has no other use for, carries the word.
+/// The tick has something to send. It may not touch what critical sections protect, so an interrupt of low
+/// priority, which the chip has no other use for, carries the word.
 static WOKEN: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// Wakes the sender: for the tick.

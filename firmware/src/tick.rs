@@ -1,11 +1,11 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
-use crate::quiesce::{self, TickAside};
 use crate::port::senses::Sensed;
 use crate::port::{EncoderPwmPort, PlantPort, amplifier};
+use crate::quiesce::{self, TickAside};
 use crate::shared::{
-    FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW, TICK_CYCLES_MAX, TICKS,
-    VERDICTS, COMMANDS, Commands, take,
+    COMMANDS, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
+    TICK_CYCLES_MAX, TICKS, VERDICTS, take,
 };
 use crate::storage::Provenance;
 use crate::{led, serial, watchdog};
@@ -48,8 +48,8 @@ struct Control {
 struct OfTheInterrupt<T>(UnsafeCell<MaybeUninit<T>>);
 
 #[expect(unsafe_code, reason = "owned by the interrupt")]
-// SAFETY: `start` writes it before it enables the interrupt, which alone uses it from then on; but for `CONTROL` while the
-// interrupt stands aside.
+// SAFETY: `start` writes it before it enables the interrupt, which alone uses it from then on; but for
+// `CONTROL` while the interrupt stands aside.
 unsafe impl<T> Sync for OfTheInterrupt<T> {}
 
 static TICK: OfTheInterrupt<Tick> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));

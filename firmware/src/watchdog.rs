@@ -1,7 +1,9 @@
-//! The independent watchdog: it resets the chip, and so switches the amplifiers off, when good ticks fail to come.
+//! The independent watchdog: it resets the chip, and so switches the amplifiers off, when good ticks fail to
+//! come.
 //!
-//! It runs from the chip's own LSI oscillator, nominally 32 kHz but anything from 17 to 47 kHz, and cannot be stopped. 10 ms
-//! nominal are 6.8 to 18.8 ms: at most 20 ms from a stall to the reset, at least six ticks of patience.
+//! It runs from the chip's own LSI oscillator, nominally 32 kHz but anything from 17 to 47 kHz, and cannot be
+//! stopped. 10 ms nominal are 6.8 to 18.8 ms: at most 20 ms from a stall to the reset, at least six ticks of
+//! patience.
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};

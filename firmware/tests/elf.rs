@@ -92,7 +92,8 @@ impl Firmware {
         seen.iter().map(|address| functions[address].name.clone()).collect()
     }
 
-    /// Targets outside `function` of its BL, B.W and conditional B.W (ARMv7-M reference manual, A7.7.12 and A7.7.18).
+    /// Targets outside `function` of its BL, B.W and conditional B.W (ARMv7-M reference manual, A7.7.12 and
+    /// A7.7.18).
     fn branches(&self, function: &Function, data: &BTreeMap<u64, bool>) -> Vec<u64> {
         let end = function.address + function.size;
         let (mut at, mut targets) = (function.address, vec![]);

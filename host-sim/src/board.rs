@@ -1,4 +1,5 @@
-//! A board at the other end of a serial line: who it is, which parameters it keeps, what it makes of a record.
+//! A board at the other end of a serial line: who it is, which parameters it keeps, what it makes of a
+//! record.
 
 use crate::error::{Failure, Outcome};
 use std::io::{ErrorKind, Read, Write};

@@ -1,8 +1,8 @@
 //! A helicopter and a controller, tick by tick, in one of two worlds.
 //!
-//! Both are written over any [`Real`]: `f64` to verify, `f32` as the board computes, lanes of `f32` for thousands of runs. The
-//! board's own [`ControlLoop`] flies in [`BoardLoop`]; a test shows that [`RigLoop`] gives its
-//! bits.
+//! Both are written over any [`Real`]: `f64` to verify, `f32` as the board computes, lanes of `f32` for
+//! thousands of runs. The board's own [`ControlLoop`] flies in [`BoardLoop`]; a test shows that [`RigLoop`]
+//! gives its bits.
 
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
@@ -17,7 +17,7 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{Conditions, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Conditions, Request};
 
 /// What happened in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +46,8 @@ pub trait ClosedLoop<R: Real> {
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
 }
 
-/// The paper's world: the state is known, rotors answer at once, volts are held for a tick; nothing is quantised or late.
+/// The paper's world: the state is known, rotors answer at once, volts are held for a tick; nothing is
+/// quantised or late.
 #[derive(Debug, Clone, Copy)]
 pub struct IdealLoop<R> {
     plant: IdealPlant<R>,
@@ -127,8 +128,8 @@ impl<R: Real> Encoders<R> {
     }
 }
 
-/// The rig's world: encoder counts, estimated rates, rotor lag and whatever else the plant has, PWM steps, and volts that
-/// act one tick after they were computed.
+/// The rig's world: encoder counts, estimated rates, rotor lag and whatever else the plant has, PWM steps,
+/// and volts that act one tick after they were computed.
 #[derive(Debug, Clone, Copy)]
 pub struct RigLoop<R> {
     plant: RealPlant<R>,
@@ -196,8 +197,8 @@ pub struct BoardLoop {
 }
 
 impl BoardLoop {
-    /// As [`RigLoop::new`]: zeroed where it stands, and to be armed by the first tick. Its envelope is as wide as it goes, and
-    /// its reference jumps to the first setpoint instead of approaching it.
+    /// As [`RigLoop::new`]: zeroed where it stands, and to be armed by the first tick. Its envelope is as
+    /// wide as it goes, and its reference jumps to the first setpoint instead of approaching it.
     pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
         let encoders = Encoders::<f32>::new(hardware, hardware.encoder_phase.cast());
         let counts = encoders.counts(plant.state().angle).map(whole);
@@ -230,7 +231,8 @@ impl BoardLoop {
         board
     }
 
-    /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that for good.
+    /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that
+    /// for good.
     pub fn is_armed(&self) -> bool {
         self.control.state() == twinrotor::supervisor::ArmState::Armed
     }

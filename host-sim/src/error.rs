@@ -6,7 +6,8 @@ use std::path::Path;
 /// Why a command ended without what was asked of it.
 #[derive(Debug)]
 pub enum Failure {
-    /// What the user gave cannot be used: one line that names the field, the value and what is allowed. Exit status 2.
+    /// What the user gave cannot be used: one line that names the field, the value and what is allowed. Exit
+    /// status 2.
     Input(String),
     /// The run itself failed: disk full, board not answering. Exit status 1.
     Run(String),

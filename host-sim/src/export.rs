@@ -1,5 +1,5 @@
-//! Tables in the formats that other tools read: Parquet (pandas, Polars, DuckDB), MCAP (PlotJuggler, Foxglove, Rerun), NumPy's `.npz`,
-//! CSV; by the file's extension.
+//! Tables in the formats that other tools read: Parquet (pandas, Polars, DuckDB), MCAP (PlotJuggler,
+//! Foxglove, Rerun), NumPy's `.npz`, CSV; by the file's extension.
 
 use crate::error::{Failure, Outcome};
 use crate::flight::{Reading, Row};
@@ -39,8 +39,8 @@ fn extension(path: &Path) -> Option<&str> {
     path.extension().and_then(|e| e.to_str()).filter(|e| EXTENSIONS.contains(e))
 }
 
-/// Refuses, before any work is done, a path that could not be written or whose extension says nothing. Only what has a time can be a
-/// `.mcap`.
+/// Refuses, before any work is done, a path that could not be written or whose extension says nothing. Only
+/// what has a time can be a `.mcap`.
 pub fn check(flag: &str, path: &Path, timed: bool) -> Outcome<()> {
     match extension(path) {
         Some("mcap") if !timed => {}

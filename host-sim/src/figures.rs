@@ -115,7 +115,8 @@ fn shown(flight: &Flight) -> usize {
     }
 }
 
-/// How fast each method nears the best cost known: the median over seeds, with the band between the quarter points.
+/// How fast each method nears the best cost known: the median over seeds, with the band between the quarter
+/// points.
 pub fn convergence(title: &str, peers: &[Peer], best_known: f64, budget: usize) -> Figure {
     const POINTS: usize = 80;
     /// \[%\] What is nearer than this is drawn here: the costs' own last digits.
@@ -177,7 +178,8 @@ pub fn fan(title: &str, flights: &[&Flight]) -> Figure {
     }
 }
 
-/// A Pareto front of settling \[s\], disturbance error \[deg\] and voltage variation \[V/s\], the last one against each of the others.
+/// A Pareto front of settling \[s\], disturbance error \[deg\] and voltage variation \[V/s\], the last one
+/// against each of the others.
 pub fn front(title: &str, front: &[Compromise], chosen: usize) -> Figure {
     let panel = |y_label: &str, objective: usize| {
         let point = |p: &Compromise| (p.costs[2], p.costs[objective]);

@@ -17,7 +17,8 @@ pub fn unusable(error: ParameterError) -> Failure {
     }
 }
 
-/// The exact bytes of the three sectors: the record as the board's own code writes it to erased flash, read back to check.
+/// The exact bytes of the three sectors: the record as the board's own code writes it to erased flash, read
+/// back to check.
 pub fn image(parameters: &Parameters) -> Outcome<Vec<u8>> {
     parameters.validate().map_err(unusable)?;
     let mut payload = [0; MAX_PAYLOAD];

@@ -20,8 +20,9 @@ use crate::scenario::SAMPLE_TIME;
 
 /// A gains file: a controller, its numbers, and where they came from.
 ///
-/// On disk the law's name stands under `controller` and its gains beside it (`[pitch]`, `[yaw]`); `[estimator]`, `allocation`,
-/// `[filter]`, `[lead]` and `[cancellation]` follow where they are used. What is left out is as the paper has it.
+/// On disk the law's name stands under `controller` and its gains beside it (`[pitch]`, `[yaw]`);
+/// `[estimator]`, `allocation`, `[filter]`, `[lead]` and `[cancellation]` follow where they are used. What is
+/// left out is as the paper has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Document", into = "Document")]
 pub struct GainsFile {

@@ -1,9 +1,11 @@
 //! Sixteen closed loops side by side: numbers in lanes, each bit for bit what a plain `f32` would be.
 //!
-//! Work is written once over [`Real`] as a [`Kernel`], and [`in_lanes`] does it with the best vector instructions that the processor
-//! has, found at run time. IEEE 754 makes the bits the same with any of them: no operation is fused or reordered.
+//! Work is written once over [`Real`] as a [`Kernel`], and [`in_lanes`] does it with the best vector
+//! instructions that the processor has, found at run time. IEEE 754 makes the bits the same with any of them:
+//! no operation is fused or reordered.
 //!
-//! Whatever a kernel calls in its loop must be `#[inline(always)]`: a function of its own would be compiled for the plainest processor.
+//! Whatever a kernel calls in its loop must be `#[inline(always)]`: a function of its own would be compiled
+//! for the plainest processor.
 
 use fearless_simd::{
     Level, Select as _, Simd, SimdBase as _, SimdFloat as _, SimdMask as _, f32x16, mask32x16,
@@ -14,7 +16,8 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::{LaggedRotors, PlantParameters};
 use twinrotor::real::{Mask, Real};
 
-/// How many closed loops run side by side. Two vectors of AVX2: while one waits for a result, the other computes.
+/// How many closed loops run side by side. Two vectors of AVX2: while one waits for a result, the other
+/// computes.
 pub const LANES: usize = 16;
 
 /// Work on [`LANES`] numbers at once.
@@ -30,7 +33,8 @@ pub fn in_lanes<K: Kernel>(kernel: K) -> K::Output {
     in_lanes_with(Level::new(), kernel)
 }
 
-/// Does `kernel` with the instructions of `level`, or the plainest vectors of the processor where it has no code for that level.
+/// Does `kernel` with the instructions of `level`, or the plainest vectors of the processor where it has no
+/// code for that level.
 pub fn in_lanes_with<K: Kernel>(level: Level, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
@@ -49,7 +53,8 @@ pub fn in_lanes_with<K: Kernel>(level: Level, kernel: K) -> K::Output {
     fearless_simd::dispatch!(level, simd => apart(simd, kernel))
 }
 
-/// Where the vectors are every processor's, nothing else keeps a kernel from being compiled anew wherever it is used.
+/// Where the vectors are every processor's, nothing else keeps a kernel from being compiled anew wherever it
+/// is used.
 #[cfg(not(target_arch = "x86_64"))]
 #[inline(never)]
 fn apart<S: Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
@@ -82,8 +87,9 @@ struct Truths<S: Simd>(mask32x16<S>);
 #[inline(always)]
 fn token<S: Simd>() -> S {
     const { assert!(size_of::<S>() == 0, "a token holds nothing") };
-    // SAFETY: a token is an empty value, so any bits make one. It stands for the proof that the processor has the instructions
-    // of S; `Lanes<S>`, private to this file, is only made inside `vectorized`, which was given that very proof.
+    // SAFETY: a token is an empty value, so any bits make one. It stands for the proof that the processor has
+    // the instructions of S; `Lanes<S>`, private to this file, is only made inside `vectorized`, which was
+    // given that very proof.
     unsafe { std::mem::zeroed() }
 }
 
@@ -221,8 +227,8 @@ impl<S: Simd> Real for Lanes<S> {
     }
 }
 
-/// Numbers that belong together, in a fixed order, side by side: lane k is made of `rows[k]`, the last row fills what lanes are left.
-/// Calling it once for each number in that order gives that number in every lane.
+/// Numbers that belong together, in a fixed order, side by side: lane k is made of `rows[k]`, the last row
+/// fills what lanes are left. Calling it once for each number in that order gives that number in every lane.
 fn columns<R: Real<Scalar = f32>>(rows: &[Vec<f32>]) -> impl FnMut() -> R {
     let mut index = 0;
     move || {

@@ -1,4 +1,5 @@
-//! Twinrotor on a PC: the core that flies on the board, closed around a simulated helicopter, once or thousands of times.
+//! Twinrotor on a PC: the core that flies on the board, closed around a simulated helicopter, once or
+//! thousands of times.
 
 #![cfg_attr(
     test,
@@ -14,7 +15,6 @@ pub mod board;
 pub mod checkpoint;
 pub mod cli;
 pub mod closed_loop;
-pub mod operation_count;
 pub mod error;
 pub mod export;
 pub mod figures;
@@ -26,6 +26,7 @@ pub mod lanes;
 pub mod log;
 pub mod metrics;
 pub mod objective;
+pub mod operation_count;
 pub mod optimise;
 pub mod output;
 pub mod peers;

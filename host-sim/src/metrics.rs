@@ -1,5 +1,5 @@
-//! What is measured of a flight, tick by tick, for any [`Real`]: the same sums in the same order for one run, for every lane
-//! and for the tuner, so that a cost is the same bits wherever it is computed.
+//! What is measured of a flight, tick by tick, for any [`Real`]: the same sums in the same order for one run,
+//! for every lane and for the tuner, so that a cost is the same bits wherever it is computed.
 
 use crate::closed_loop::Tick;
 use serde::Serialize;
@@ -84,8 +84,8 @@ pub struct Step {
 /// Settling bands, as parts of the step.
 const BANDS: [f64; 2] = [0.02, 0.05];
 
-/// When an error was last outside a band, to a part of a tick: between the last tick outside and the next one the error is taken to
-/// be straight.
+/// When an error was last outside a band, to a part of a tick: between the last tick outside and the next one
+/// the error is taken to be straight.
 #[derive(Debug, Clone, Copy)]
 struct Settling<R> {
     band: R,

@@ -33,8 +33,8 @@ pub struct Objective {
     diverged: AtomicU64,
 }
 
-/// A cost must exceed its bound by this part before a flight is broken off. A compensated sum of terms that are not negative can sink
-/// by a few units in its last place, 1e-7 of it, and not more.
+/// A cost must exceed its bound by this part before a flight is broken off. A compensated sum of terms that
+/// are not negative can sink by a few units in its last place, 1e-7 of it, and not more.
 const SURELY: f64 = 1.0 + 1e-6;
 /// \[ticks\] From one look at the sums to the next.
 const LOOK_EVERY: u32 = 64;
@@ -128,7 +128,8 @@ impl Kernel for Flights<'_> {
     }
 }
 
-/// The same with nothing but the paper's law, as far as the compiler knows: it leaves out what else there could be.
+/// The same with nothing but the paper's law, as far as the compiler knows: it leaves out what else there
+/// could be.
 #[inline(always)]
 fn papers<R: Real>(settings: Settings<R>) -> Settings<R> {
     let LawSettings::Backstepping(gains) = settings.controller.law else {

@@ -1,4 +1,5 @@
-//! A number that counts what is done with it: how many floating-point operations a step of a closed loop takes.
+//! A number that counts what is done with it: how many floating-point operations a step of a closed loop
+//! takes.
 
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -8,8 +9,9 @@ thread_local! {
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The floating-point operations that `work` does with [`Counted`] numbers on this thread: additions, subtractions,
-/// multiplications, divisions, square roots and comparisons; signs and selections are bits and not counted.
+/// The floating-point operations that `work` does with [`Counted`] numbers on this thread: additions,
+/// subtractions, multiplications, divisions, square roots and comparisons; signs and selections are bits and
+/// not counted.
 pub fn operations(work: impl FnOnce()) -> u64 {
     let before = OPERATIONS.get();
     work();

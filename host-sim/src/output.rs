@@ -5,8 +5,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes `bytes` to `path`: by a temporary file in the same folder, renamed over a regular or absent file; straight into
-/// anything else (a pipe, a device).
+/// Writes `bytes` to `path`: by a temporary file in the same folder, renamed over a regular or absent file;
+/// straight into anything else (a pipe, a device).
 pub fn write(path: &Path, bytes: &[u8]) -> Outcome<()> {
     let failed =
         |error: std::io::Error| Failure::Run(format!("{}: cannot be written: {error}", path.display()));
@@ -24,7 +24,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> Outcome<()> {
     Ok(())
 }
 
-/// A new file gets what any program would give it (a temporary file is the owner's alone); an old one keeps its own.
+/// A new file gets what any program would give it (a temporary file is the owner's alone); an old one keeps
+/// its own.
 fn permissions(path: &Path) -> fs::Permissions {
     use std::os::unix::fs::PermissionsExt;
     fs::metadata(path).map_or_else(|_| fs::Permissions::from_mode(0o644), |m| m.permissions())
@@ -37,7 +38,8 @@ fn folder(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses, before any work is done, a path that cannot be written to: its folder must exist and it must not be one.
+/// Refuses, before any work is done, a path that cannot be written to: its folder must exist and it must not
+/// be one.
 pub fn check(flag: &str, path: &Path) -> Outcome<()> {
     let folder = folder(path);
     if !folder.is_dir() {

@@ -57,7 +57,8 @@ pub struct Disturbance {
 const SCENARIO_3: Disturbance = Disturbance { volts: 2.0, hold: 0.1, window: [0.0, 20.0] };
 
 impl Scenario {
-    /// One of the paper's by name (`step`, `1`, `2`, `3`, `3-square`), or from a TOML file (anything that ends in `.toml`).
+    /// One of the paper's by name (`step`, `1`, `2`, `3`, `3-square`), or from a TOML file (anything that
+    /// ends in `.toml`).
     pub fn load(name: &str) -> Outcome<Self> {
         if Path::new(name).extension().is_some_and(|e| e == "toml") {
             let text = fs::read_to_string(name).map_err(|e| Failure::reading(Path::new(name), &e))?;

@@ -1,8 +1,8 @@
 //! A controller as a vector of numbers: any of them can be tuned.
 //!
-//! Parameters are called as a gains file spells them, with dots: `pitch.position`, `estimator.luenberger.bandwidth.yaw`,
-//! `filter.bandwidth.pitch`. A search goes over their logarithms, around a controller to start from, since a gain's range spans
-//! factors, not differences.
+//! Parameters are called as a gains file spells them, with dots: `pitch.position`,
+//! `estimator.luenberger.bandwidth.yaw`, `filter.bandwidth.pitch`. A search goes over their logarithms,
+//! around a controller to start from, since a gain's range spans factors, not differences.
 
 use crate::error::{Failure, Outcome};
 use crate::gains_file::GainsFile;
@@ -18,8 +18,8 @@ pub struct Tunable {
 }
 
 impl Tunable {
-    /// All parameters of `controller` that are not zero but the filter's reach, of which a single step shows nothing; or those that
-    /// begin with one of `chosen` (`pitch` means all of pitch).
+    /// All parameters of `controller` that are not zero but the filter's reach, of which a single step shows
+    /// nothing; or those that begin with one of `chosen` (`pitch` means all of pitch).
     pub fn new(controller: &ControllerSettings<f64>, chosen: &[String]) -> Outcome<Self> {
         let file = GainsFile { controller: *controller, provenance: None };
         let template = Value::try_from(file).expect("gains are made of tables and numbers");

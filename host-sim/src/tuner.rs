@@ -1,4 +1,5 @@
-//! The tuner: an optimiser and a problem, driven to the end, with progress, interruption, time limit and checkpoints.
+//! The tuner: an optimiser and a problem, driven to the end, with progress, interruption, time limit and
+//! checkpoints.
 
 use crate::checkpoint;
 use crate::error::Outcome;
@@ -9,7 +10,8 @@ use std::time::{Duration, Instant};
 
 /// Something to minimise.
 pub trait Problem: Sync {
-    /// The cost of each candidate, in order. The same candidate costs the same on any number of threads and in any company.
+    /// The cost of each candidate, in order. The same candidate costs the same on any number of threads and
+    /// in any company.
     fn costs(&self, candidates: &[Candidate]) -> Vec<f64>;
 
     /// What it has taken so far.

@@ -1,4 +1,5 @@
-//! The step that controllers of a real Aero flew, (30°, 45°) from rest, on what its logs say it is: the preset `aero-lab`.
+//! The step that controllers of a real Aero flew, (30°, 45°) from rest, on what its logs say it is: the
+//! preset `aero-lab`.
 
 use host_sim::flight::{Fidelity, Flight, Plan, Scalar, fly};
 use host_sim::gains_file::GainsFile;

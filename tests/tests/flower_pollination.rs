@@ -19,7 +19,8 @@ fn search(variant: Variant, seed: u64) -> FlowerPollination {
     FlowerPollination::new(FpaSettings::published(variant), bounds, Draws::new(seed))
 }
 
-/// 1,550 evaluations, 20 seeds: mean ISE at most .08097, and within .1 % of the optimum after a median of at most 80.
+/// 1,550 evaluations, 20 seeds: mean ISE at most .08097, and within .1 % of the optimum after a median of at
+/// most 80.
 #[test]
 fn fpa_paper_reaches_the_optimum_of_ise() {
     const OPTIMUM: f64 = 0.08095;

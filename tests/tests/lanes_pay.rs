@@ -1,5 +1,6 @@
-//! Lanes are worth having: sixteen loops side by side take a fraction of the time of sixteen one by one. A function in the loop that
-//! is not inlined, or a lane that is not a vector, costs a factor of three to ten and nothing else would tell.
+//! Lanes are worth having: sixteen loops side by side take a fraction of the time of sixteen one by one. A
+//! function in the loop that is not inlined, or a lane that is not a vector, costs a factor of three to ten
+//! and nothing else would tell.
 
 use host_sim::closed_loop::{ClosedLoop, IdealLoop};
 use host_sim::flight::Fidelity;

@@ -14,8 +14,8 @@ use twinrotor::reference::Reference;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// In f64, with a constant reference, over unsaturated ticks of random runs: M_{k+1} <= M_k + 1e-20. (The reference is
-    /// constant from the start, so there is no tick after a jump to leave out.)
+    /// In f64, with a constant reference, over unsaturated ticks of random runs: M_{k+1} <= M_k + 1e-20. (The
+    /// reference is constant from the start, so there is no tick after a jump to leave out.)
     #[test]
     fn m_never_rises_while_nothing_clips(
         k in prop::array::uniform4(1.0..25.0_f64),

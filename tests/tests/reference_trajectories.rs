@@ -32,7 +32,8 @@ fn f64_follows_the_references() {
     }
 }
 
-/// Holding the volts for a tick of 1 ms is the only difference from the paper's continuous law: less than .03 degrees.
+/// Holding the volts for a tick of 1 ms is the only difference from the paper's continuous law: less than .03
+/// degrees.
 #[test]
 fn a_tick_of_1_ms_is_near_the_continuous_law() {
     let setup = Setup::paper("step", 10.0);
@@ -70,8 +71,8 @@ fn f32_stays_with_f64() {
     }
 }
 
-/// Without saturation the errors of an axis are two exponentials; fitted to the simulated ones, their rates are the poles of
-/// s² + (μa + μb) s + 1 + μa μb.
+/// Without saturation the errors of an axis are two exponentials; fitted to the simulated ones, their rates
+/// are the poles of s² + (μa + μb) s + 1 + μa μb.
 #[test]
 fn the_poles_are_those_of_the_closed_form() {
     // A small step, so that no voltage clips; the held tick moves a fast pole by far less than .1 % at 10 us.
@@ -93,7 +94,8 @@ fn the_poles_are_those_of_the_closed_form() {
     }
 }
 
-/// Rates of the two exponentials that make a sampled curve: e(k+2) = a e(k+1) + b e(k) by least squares (Prony).
+/// Rates of the two exponentials that make a sampled curve: e(k+2) = a e(k+1) + b e(k) by least squares
+/// (Prony).
 fn prony(samples: impl Iterator<Item = f64>, time: f64) -> [f64; 2] {
     let e: Vec<f64> = samples.collect();
     let sum = |i: usize, j: usize| (0..e.len() - 2).map(|k| e[k + i] * e[k + j]).sum::<f64>();

@@ -1,4 +1,5 @@
-//! What was tuned is what flies: one arithmetic in plain f32, in every lane, and in the control loop of the board.
+//! What was tuned is what flies: one arithmetic in plain f32, in every lane, and in the control loop of the
+//! board.
 
 use host_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
 use host_sim::flight::Fidelity;
@@ -47,9 +48,9 @@ fn bits<R: Real<Scalar = f32>>(tick: &Tick<R>, lane: usize) -> [u32; 8] {
     .map(|x| x.lane(lane).to_bits())
 }
 
-/// Flies the loop that `group` makes of all settings, side by side, and the same loops one by one, and compares every tick: lane k
-/// against the k-th single loop as long as that one is `flying`. The board cuts the motors of a flight that leaves its envelope, which
-/// lanes leave to whoever judges them.
+/// Flies the loop that `group` makes of all settings, side by side, and the same loops one by one, and
+/// compares every tick: lane k against the k-th single loop as long as that one is `flying`. The board cuts
+/// the motors of a flight that leaves its envelope, which lanes leave to whoever judges them.
 struct Compared<'a, L> {
     rig: &'a Rig,
     hardware: Option<&'a Hardware>,
@@ -147,8 +148,8 @@ proptest! {
         }
     }
 
-    /// The tuner's cost of a candidate is, to the bit, the ISE of its own flight, whoever is in the other lanes; and breaking off
-    /// flights that have lost changes no verdict.
+    /// The tuner's cost of a candidate is, to the bit, the ISE of its own flight, whoever is in the other
+    /// lanes; and breaking off flights that have lost changes no verdict.
     #[test]
     fn the_tuners_cost_is_the_flights(
         rig in any_rig(), gains in prop::collection::vec(any_gains(), 1..20), rigs_world in any::<bool>(),

@@ -1,7 +1,8 @@
 //! What the motors' currents allow: the volts of each motor stay where its current is within bounds.
 //!
-//! i = (V - k_m ω)/R. In steady state the speed is in proportion to the volts, so k_m ω is a share of the volts in effect, which
-//! the rotor model knows. A motor at rest takes V/R, more than it may at 24 V; a motor at speed takes a quarter of that.
+//! i = (V - k_m ω)/R. In steady state the speed is in proportion to the volts, so k_m ω is a share of the
+//! volts in effect, which the rotor model knows. A motor at rest takes V/R, more than it may at 24 V; a motor
+//! at speed takes a quarter of that.
 
 use super::VoltsRange;
 use crate::axes::PerMotor;
@@ -10,8 +11,8 @@ use crate::real::Real;
 use crate::validate::{Invalid, positive, require};
 use serde::{Deserialize, Serialize};
 
-/// \[s\] Over which the square of the current is averaged for the continuous limit: well below the minutes in which a motor
-/// of this size warms up. No source gives one.
+/// \[s\] Over which the square of the current is averaged for the continuous limit: well below the minutes in
+/// which a motor of this size warms up. No source gives one.
 const HEATING_TIME: f64 = 10.0;
 /// Share of the continuous limit's heat at which the peak limit begins to fall back.
 const FOLD_BACK_FROM: f64 = 0.75;
@@ -119,7 +120,8 @@ impl<R: Real> CurrentLimit<R> {
                 s.resistance * most
             },
         );
-        // What is in effect is within the limit, and there is always some room: each bound needs looking at from one side.
+        // What is in effect is within the limit, and there is always some room: each bound needs looking at
+        // from one side.
         VoltsRange {
             low: center.minus(room).zip(
                 limit,
@@ -155,7 +157,8 @@ mod tests {
         assert!(at_speed.low.tail > -6.0);
     }
 
-    /// Full volts for a minute: the current of a motor that follows them settles at what it may take for long.
+    /// Full volts for a minute: the current of a motor that follows them settles at what it may take for
+    /// long.
     #[test]
     fn for_long_the_current_is_what_it_may_be_for_long() {
         let s = settings();

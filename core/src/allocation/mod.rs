@@ -118,8 +118,8 @@ fn finite<R: Real>(volts: PerMotor<R>) -> R::Mask {
     (volts.main + volts.tail).is_finite()
 }
 
-/// V = K⁻¹ U by the determinant, which is eqs (28)-(29) without their divisions by k_pp and k_yy, and hard limits on the
-/// motors' volts.
+/// V = K⁻¹ U by the determinant, which is eqs (28)-(29) without their divisions by k_pp and k_yy, and hard
+/// limits on the motors' volts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Allocator<R> {
     effectiveness: Effectiveness<R>,
@@ -137,7 +137,8 @@ enum Method<R> {
 }
 
 impl<R: Real> Allocator<R> {
-    /// For thrust gains K \[N m/V\] with a determinant other than zero, and each motor's volts limited to ±`limit` on their own.
+    /// For thrust gains K \[N m/V\] with a determinant other than zero, and each motor's volts limited to
+    /// ±`limit` on their own.
     pub fn new(effectiveness: Effectiveness<R>, limit: PerMotor<R>) -> Self {
         Self {
             effectiveness,
@@ -177,8 +178,9 @@ impl<R: Real> Allocator<R> {
 
     /// The volts for `demand` within `range`. `hold` is the torque that keeps the pose \[N m\].
     ///
-    /// A NaN or an infinity in anything that led here ends as one in the demand (no operation on the way drops
-    /// them), and in the sum of both; then both motors get zero: a clamp would turn it into a full voltage.
+    /// A NaN or an infinity in anything that led here ends as one in the demand (no operation on the way
+    /// drops them), and in the sum of both; then both motors get zero: a clamp would turn it into a full
+    /// voltage.
     #[inline(always)]
     pub fn allocate(&self, demand: PerMotor<R>, range: &VoltsRange<R>, hold: PerAxis<R>) -> Allocation<R> {
         let sound = finite(demand);
@@ -194,8 +196,8 @@ impl<R: Real> Allocator<R> {
         Allocation { volts, demand }
     }
 
-    /// \[N m\] What of the torque asked for the volts of `allocation` do not give; zero on a fault, where nothing sensible was
-    /// asked.
+    /// \[N m\] What of the torque asked for the volts of `allocation` do not give; zero on a fault, where
+    /// nothing sensible was asked.
     #[inline(always)]
     pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
         let missing = self.effectiveness.torque(allocation.demand.minus(allocation.volts));

@@ -1,11 +1,12 @@
-//! Direction-preserving limiting: what is asked for beyond the volts that hold the pose is scaled down as a whole, so that
-//! the axes keep their share.
+//! Direction-preserving limiting: what is asked for beyond the volts that hold the pose is scaled down as a
+//! whole, so that the axes keep their share.
 
 use super::VoltsRange;
 use crate::axes::PerMotor;
 use crate::real::Real;
 
-/// The largest s of 0 to 1 for which h + s (u - h) is within bounds, with the hold volts h first brought within them.
+/// The largest s of 0 to 1 for which h + s (u - h) is within bounds, with the hold volts h first brought
+/// within them.
 #[inline(always)]
 pub(super) fn scaled<R: Real>(demand: PerMotor<R>, hold: PerMotor<R>, range: &VoltsRange<R>) -> PerMotor<R> {
     let hold = range.clamp(hold);

@@ -1,11 +1,12 @@
-//! The volts within their bounds that come nearest to the acceleration asked for: a weighted quadratic programme in two
-//! unknowns, solved exactly.
+//! The volts within their bounds that come nearest to the acceleration asked for: a weighted quadratic
+//! programme in two unknowns, solved exactly.
 //!
-//! Minimise f(V) = (w row₁(K)(V - u)/I_p)² + (row₂(K)(V - u)/I_y)² over the box. f is a strictly convex quadratic with its
-//! free minimum at the demand u. If u is inside the box it is the solution. Otherwise the solution lies on an edge that u
-//! violates: from a point that touches none of those, a step towards u would stay inside and lower f. So of the box's four
-//! edges at most two are candidates, the one that the main motor's demand is beyond and the one that the tail motor's is; on
-//! each, f is a parabola in the other voltage. The better of the two is taken, without a branch.
+//! Minimise f(V) = (w row₁(K)(V - u)/I_p)² + (row₂(K)(V - u)/I_y)² over the box. f is a strictly convex
+//! quadratic with its free minimum at the demand u. If u is inside the box it is the solution. Otherwise the
+//! solution lies on an edge that u violates: from a point that touches none of those, a step towards u would
+//! stay inside and lower f. So of the box's four edges at most two are candidates, the one that the main
+//! motor's demand is beyond and the one that the tail motor's is; on each, f is a parabola in the other
+//! voltage. The better of the two is taken, without a branch.
 
 use super::VoltsRange;
 use crate::axes::{PerAxis, PerMotor};
@@ -52,7 +53,8 @@ impl<R: Real> Weighted<R> {
     #[inline(always)]
     pub(super) fn solve(&self, u: PerMotor<R>, range: &VoltsRange<R>) -> PerMotor<R> {
         let bounded = range.clamp(u);
-        // The main motor at its bound (or where it was asked to be), the tail motor making the best of it; and the reverse.
+        // The main motor at its bound (or where it was asked to be), the tail motor making the best of it;
+        // and the reverse.
         let off_main = bounded.main - u.main;
         let off_tail = bounded.tail - u.tail;
         let tail = (u.tail - self.tail_by_main * off_main).clamp(range.low.tail, range.high.tail);
@@ -70,8 +72,8 @@ mod tests {
     use crate::plant::presets;
     use proptest::prelude::*;
 
-    /// First-order optimality on the box, which for a convex f is optimality: the gradient vanishes in a free voltage and
-    /// presses against the bound in a bounded one.
+    /// First-order optimality on the box, which for a convex f is optimality: the gradient vanishes in a free
+    /// voltage and presses against the bound in a bounded one.
     fn is_optimal(w: &Weighted<f64>, u: PerMotor<f64>, v: PerMotor<f64>, range: &VoltsRange<f64>) -> bool {
         let d = v.minus(u);
         let slope = PerMotor::new(

@@ -10,7 +10,7 @@ use crate::monitor::{Monitor, Seen};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
 use crate::reference::Reference;
-use crate::supervisor::{Condition, Conditions, Request, ArmState, Supervisor};
+use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
 use crate::telemetry::Frame;
 use serde::{Deserialize, Serialize};
 
@@ -78,7 +78,8 @@ pub struct Outputs {
 }
 
 impl ControlLoop {
-    /// Disarmed, or with the last reset's cause latched; no zero yet. `counters` is what the encoders show now.
+    /// Disarmed, or with the last reset's cause latched; no zero yet. `counters` is what the encoders show
+    /// now.
     pub fn new(
         parameters: &Parameters,
         counters: PerAxis<u32>,
@@ -201,8 +202,8 @@ impl ControlLoop {
             .with(Condition::NotChecked, !self.checked);
     }
 
-    /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so do reference and
-    /// monitor.
+    /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so
+    /// do reference and monitor.
     fn supervise(&mut self, command: Option<&OperatorCommand>, measured: PerAxis<f32>) -> bool {
         let before = self.supervisor.state();
         let request = match (self.verdict.take(), command) {
@@ -229,7 +230,9 @@ impl ControlLoop {
     fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
         match command {
             Some(OperatorCommand::Setpoint(setpoint)) => self.approach.aim(*setpoint),
-            Some(OperatorCommand::Zero) if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() => {
+            Some(OperatorCommand::Zero)
+                if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() =>
+            {
                 self.zero();
             }
             _ => {}
@@ -245,7 +248,8 @@ impl ControlLoop {
         self.zeroed = true;
     }
 
-    /// What the motors are to do: what the law says when armed, what the check says when checking, else nothing.
+    /// What the motors are to do: what the law says when armed, what the check says when checking, else
+    /// nothing.
     fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
         if self.is_armed() {
             self.decision = self.pipeline.decide(belief, &reference);

@@ -113,7 +113,8 @@ impl Bench {
         self.control.frame()
     }
 
-    /// A rig whose weight pulls its nose down lies on a stop in its rest pose: one below it, or a table until it is armed.
+    /// A rig whose weight pulls its nose down lies on a stop in its rest pose: one below it, or a table until
+    /// it is armed.
     fn lie_on_stop(&mut self) {
         let (mut body, rest) = (self.plant.state(), self.rig.rest_angle.pitch);
         let lies = rest < 0.0 || self.control.state() != ArmState::Armed;
@@ -167,7 +168,8 @@ fn steps_trip_nothing_on_any_rig() {
     }
 }
 
-/// Nor on 20 rigs around each, with every constant but mass and gravity off by up to 30 %, the lag by up to 70 %, and ±2 V of disturbance.
+/// Nor on 20 rigs around each, with every constant but mass and gravity off by up to 30 %, the lag by up to
+/// 70 %, and ±2 V of disturbance.
 #[test]
 fn wrong_constants_and_disturbances_trip_nothing() {
     let mut seed = 3_u32;
@@ -188,7 +190,8 @@ fn wrong_constants_and_disturbances_trip_nothing() {
             for target in [setpoint(0.0, 0.0), setpoint(15.0 * DEGREE, 40.0 * DEGREE)] {
                 match bench.run(4_000, target) {
                     None => {}
-                    // Without an integral, a weight 30 % off is more than the envelope allows the classic helicopter.
+                    // Without an integral, a weight 30 % off is more than the envelope allows the classic
+                    // helicopter.
                     Some((Condition::AngleEnvelope, _)) if name == "heli, the paper's law" => break,
                     found => panic!("{name}: {found:?}"),
                 }

@@ -8,7 +8,8 @@ use crate::real::Real;
 /// Rate by ω s/(s + ω), discretised by the bilinear rule:
 /// v ← a v + (1 - a)(q - q₋)/T, a = (2 - ωT)/(2 + ωT).
 ///
-/// One encoder count (2π/2880 rad) in one tick of 1 ms is a raw rate of 2.2 rad/s, so ω trades noise against lag.
+/// One encoder count (2π/2880 rad) in one tick of 1 ms is a raw rate of 2.2 rad/s, so ω trades noise against
+/// lag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilteredDerivative<R> {
     /// a.

@@ -23,7 +23,8 @@ use serde::{Deserialize, Serialize};
 pub struct Estimate<R> {
     /// \[rad\], \[rad/s\] Angles and rates.
     pub state: State<R>,
-    /// \[rad/s²\] Acceleration that the model does not explain; zero from an estimator that does not look for it.
+    /// \[rad/s²\] Acceleration that the model does not explain; zero from an estimator that does not look for
+    /// it.
     pub disturbance: PerAxis<R>,
 }
 
@@ -142,7 +143,8 @@ pub enum Estimator<R> {
 }
 
 impl<R: Real> Estimator<R> {
-    /// Ready to start at `angle` \[rad\], at rest, called every `sample_time` \[s\], for a rig with this Coulomb `friction` \[N m\].
+    /// Ready to start at `angle` \[rad\], at rest, called every `sample_time` \[s\], for a rig with this
+    /// Coulomb `friction` \[N m\].
     pub fn new(
         settings: &EstimatorSettings<R>,
         friction: PerAxis<R>,
@@ -164,7 +166,8 @@ impl<R: Real> Estimator<R> {
         }
     }
 
-    /// What the angles measured now \[rad\] say. `torque` \[N m\] is what the motors give from now to the next tick.
+    /// What the angles measured now \[rad\] say. `torque` \[N m\] is what the motors give from now to the
+    /// next tick.
     #[inline(always)]
     pub fn update(&mut self, measured: PerAxis<R>, model: &RigidBody<R>, torque: PerAxis<R>) -> Belief<R> {
         match self {
@@ -187,8 +190,8 @@ impl<R: Real> Estimator<R> {
     }
 }
 
-/// What a first-order lag keeps of a difference after `phase` = ωT: (2 - ωT)/(2 + ωT), which is exp(-ωT) to third
-/// order. Basic arithmetic only, so the board and the host agree on it to the bit.
+/// What a first-order lag keeps of a difference after `phase` = ωT: (2 - ωT)/(2 + ωT), which is exp(-ωT) to
+/// third order. Basic arithmetic only, so the board and the host agree on it to the bit.
 #[inline(always)]
 pub(crate) fn bilinear_decay<R: Real>(phase: R) -> R {
     let two = R::from_f64(2.0);

@@ -1,11 +1,12 @@
 //! The machinery of every model-based estimator: predict by the model, correct by what is measured.
 //!
-//! With ε = y - q⁻: q̂ = q⁻ + l₁ ε, v̂ = v⁻ + l₂ ε, σ̂ = σ⁻ + l₃ ε; then, for the acceleration â that the model gives for the
-//! volts in effect, q⁻ = q̂ + T v̂ + T²/2 (â + σ̂), v⁻ = v̂ + T (â + σ̂), σ⁻ = σ̂. Luenberger observer, extended state observer
-//! and stationary Kalman filter differ in l₁, l₂, l₃ alone.
+//! With ε = y - q⁻: q̂ = q⁻ + l₁ ε, v̂ = v⁻ + l₂ ε, σ̂ = σ⁻ + l₃ ε; then, for the acceleration â that the
+//! model gives for the volts in effect, q⁻ = q̂ + T v̂ + T²/2 (â + σ̂), v⁻ = v̂ + T (â + σ̂), σ⁻ = σ̂.
+//! Luenberger observer, extended state observer and stationary Kalman filter differ in l₁, l₂, l₃ alone.
 //!
-//! Coulomb friction, where the model has any, is part of â: left out, it biases the rate of a Luenberger observer by
-//! 2 F/(I ω), on an Aero's yaw half of all its error (docs/identify.md). The law does not push against it.
+//! Coulomb friction, where the model has any, is part of â: left out, it biases the rate of a Luenberger
+//! observer by 2 F/(I ω), on an Aero's yaw half of all its error (docs/identify.md). The law does not push
+//! against it.
 
 use super::Estimate;
 use crate::axes::PerAxis;
@@ -43,8 +44,9 @@ impl<R: Real<Mask = bool>> ObserverGains<R> {
     }
 }
 
-/// \[rad/s\] Width of the friction that an observer believes in, F ω/√(ω² + w²): about what it does not know the rate by. One as
-/// narrow as the plant's would jump from one side to the other while the rig stands still.
+/// \[rad/s\] Width of the friction that an observer believes in, F ω/√(ω² + w²): about what it does not know
+/// the rate by. One as narrow as the plant's would jump from one side to the other while the rig stands
+/// still.
 pub const BELIEVED_FRICTION_WIDTH: f64 = 0.02;
 
 /// An observer at work.
@@ -110,7 +112,8 @@ impl<R: Real> Observer<R> {
         ))
     }
 
-    /// Moves on to the next tick from `estimate`, with `accel` \[rad/s²\] as the model has it for the time between.
+    /// Moves on to the next tick from `estimate`, with `accel` \[rad/s²\] as the model has it for the time
+    /// between.
     #[inline(always)]
     pub fn predict(&mut self, estimate: &Estimate<R>, accel: PerAxis<R>) {
         let accel = accel.plus(estimate.disturbance);

@@ -7,8 +7,8 @@ use crate::rotor_model::RotorModel;
 
 const T: f64 = 1e-3;
 
-/// Flies the Aero open loop for 3 s with encoders and `disturbance` \[V\] on the main motor, and gives the estimate, the truth
-/// and the mean square error of the rates over the last two seconds.
+/// Flies the Aero open loop for 3 s with encoders and `disturbance` \[V\] on the main motor, and gives the
+/// estimate, the truth and the mean square error of the rates over the last two seconds.
 fn flown(settings: &EstimatorSettings<f64>, disturbance: f64) -> (Estimate<f64>, State<f64>, f64) {
     flown_on(&presets::AERO, &presets::AERO, settings, disturbance)
 }
@@ -56,7 +56,8 @@ fn observers_with_a_true_model_beat_the_filtered_derivative() {
     assert!(extended < 0.2 * derivative, "{extended} {derivative}");
 }
 
-/// Friction that is left out biases the rate by 2 F/(I ω), against the motion; believed in, less than half of the error is left.
+/// Friction that is left out biases the rate by 2 F/(I ω), against the motion; believed in, less than half of
+/// the error is left.
 #[test]
 fn an_observer_that_believes_in_friction_is_not_biased_by_it() {
     let frictionless = PlantParameters { coulomb_friction: PerAxis::zero(), ..presets::AERO_LAB.plant };
@@ -83,7 +84,8 @@ fn the_extended_state_observer_finds_the_disturbance_and_the_luenberger_observer
     assert_eq!(estimate.disturbance, PerAxis::zero());
 }
 
-/// The error of the undriven observer dies with both (all three) poles at b: after n ticks no more than n² bⁿ is left.
+/// The error of the undriven observer dies with both (all three) poles at b: after n ticks no more than n² bⁿ
+/// is left.
 #[test]
 fn observer_errors_die_at_the_bandwidth() {
     let w = 50.0;

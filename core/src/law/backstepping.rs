@@ -1,10 +1,11 @@
 //! The backstepping law of "Backstepping control of Quanser's 2-DOF Helicopter under disturbance and actuator
 //! saturation based on Flower Pollination Algorithm", eqs (12)-(27).
 //!
-//! Per axis, with ξ_a = x_d - x (12), virtual rate x_2d = ẋ_d + μ_a ξ_a (16) and ξ_b = x_2d - ẋ (17), the function
-//! M = (ξ_a² + ξ_b²)/2 (18) falls by Ṁ = -μ_a ξ_a² - μ_b ξ_b² under eqs (26)-(27), as long as no voltage clips, the
-//! model is exact and nothing disturbs. Substituting shows what it is: computed torque with a PD law of
-//! K_p = 1 + μ_a μ_b and K_d = μ_a + μ_b. It has no integral, so a constant disturbance leaves an offset.
+//! Per axis, with ξ_a = x_d - x (12), virtual rate x_2d = ẋ_d + μ_a ξ_a (16) and ξ_b = x_2d - ẋ (17), the
+//! function M = (ξ_a² + ξ_b²)/2 (18) falls by Ṁ = -μ_a ξ_a² - μ_b ξ_b² under eqs (26)-(27), as long as no
+//! voltage clips, the model is exact and nothing disturbs. Substituting shows what it is: computed torque
+//! with a PD law of K_p = 1 + μ_a μ_b and K_d = μ_a + μ_b. It has no integral, so a constant disturbance
+//! leaves an offset.
 //!
 //! We differ from the paper in one term: opposing torque includes K_sp sin θ where the rig has it.
 

@@ -6,9 +6,9 @@
 //!
 //! ẍ = ẍ_d + μ_a ξ̇_a + λ ξ_a + γ ξ_a + μ_b ξ_b,
 //!
-//! as long as no voltage clips, the model is exact and nothing disturbs. A constant disturbance moves the resting point of χ
-//! alone: no offset is left. γ = 1 and λ = 0 is eqs (26)-(27). The weight γ frees the damping: the closed loop has
-//! K_p = γ + λ + μ_a μ_b, K_d = μ_a + μ_b, K_i = λ μ_b.
+//! as long as no voltage clips, the model is exact and nothing disturbs. A constant disturbance moves the
+//! resting point of χ alone: no offset is left. γ = 1 and λ = 0 is eqs (26)-(27). The weight γ frees the
+//! damping: the closed loop has K_p = γ + λ + μ_a μ_b, K_d = μ_a + μ_b, K_i = λ μ_b.
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};

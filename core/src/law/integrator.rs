@@ -2,9 +2,11 @@
 
 use crate::real::Real;
 
-/// `sum` after one tick: `increment` is added unless a voltage clipped and it would take the sum further from zero.
+/// `sum` after one tick: `increment` is added unless a voltage clipped and it would take the sum further from
+/// zero.
 ///
-/// An integral that grows while the motors give all they have means nothing, and has to be worked off as overshoot.
+/// An integral that grows while the motors give all they have means nothing, and has to be worked off as
+/// overshoot.
 #[inline(always)]
 pub(super) fn integrated<R: Real>(sum: R, increment: R, clipped: R::Mask) -> R {
     let discharging = (sum * increment).lt(R::zero());

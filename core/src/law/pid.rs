@@ -1,5 +1,5 @@
-//! PID for each axis on its own: U = U_ff + I (k_p e + k_i ∫e + k_d ė), where U_ff is the torque that the model needs at the
-//! reference, decoupled by the allocation's V = K⁻¹ U.
+//! PID for each axis on its own: U = U_ff + I (k_p e + k_i ∫e + k_d ė), where U_ff is the torque that the
+//! model needs at the reference, decoupled by the allocation's V = K⁻¹ U.
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};

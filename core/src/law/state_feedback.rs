@@ -1,7 +1,8 @@
 //! Linear state feedback in volts: PD, LQR and LQR with integral (LQI) are gains of this law.
 //!
-//! V = V_ff + G_q e + G_v ė + w, ẇ = G_i e with |w| limited, where V_ff = K⁻¹ (torque of the model at the reference). The classic
-//! laboratory controller of the 2-DOF helicopter ("FF+LQR+I" in its manual) is this with an integrator limit of 20 V.
+//! V = V_ff + G_q e + G_v ė + w, ẇ = G_i e with |w| limited, where V_ff = K⁻¹ (torque of the model at the
+//! reference). The classic laboratory controller of the 2-DOF helicopter ("FF+LQR+I" in its manual) is this
+//! with an integrator limit of 20 V.
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};
@@ -77,7 +78,8 @@ fn product<R: Real>(matrix: &MotorGains<R>, error: PerAxis<R>) -> PerMotor<R> {
 }
 
 impl<R: Real> StateFeedback<R> {
-    /// With an empty integral; `sample_time` \[s\]. The volts are handed on as the torque that `effectiveness` makes of them.
+    /// With an empty integral; `sample_time` \[s\]. The volts are handed on as the torque that
+    /// `effectiveness` makes of them.
     pub fn new(gains: StateFeedbackGains<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
         Self { gains, effectiveness, sample_time, integral: PerMotor::zero() }
     }

@@ -1,8 +1,9 @@
-//! Super-twisting sliding mode on s = ξ̇ + λ ξ, with the model as equivalent control:
-//! ẍ = ẍ_d + λ ξ̇ + k₁ √|s| sgn s + w, ẇ = k₂ sgn s (A. Levant, "Sliding order and sliding accuracy in sliding mode control",
+//! Super-twisting sliding mode on s = ξ̇ + λ ξ, with the model as equivalent control: ẍ = ẍ_d + λ ξ̇ + k₁
+//! √|s| sgn s + w, ẇ = k₂ sgn s (A. Levant, "Sliding order and sliding accuracy in sliding mode control",
 //! Int. J. Control 58, 1993).
 //!
-//! In samples and with encoders the switch chatters, so sgn s is s/(|s| + ε): ε is a width to be tuned, not a number to be small.
+//! In samples and with encoders the switch chatters, so sgn s is s/(|s| + ε): ε is a width to be tuned, not a
+//! number to be small.
 
 use super::integrator::integrated;
 use super::{ControlLaw, Situation};

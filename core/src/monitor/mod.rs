@@ -1,5 +1,6 @@
 //! What the tick itself can see going wrong: each rule with its time. (A board adds what only it can see:
-//! emergency stop, amplifier's current limit, stale sensors, overrun, stack, parameters, the last reset's cause.)
+//! emergency stop, amplifier's current limit, stale sensors, overrun, stack, parameters, the last reset's
+//! cause.)
 //!
 //! | condition | rule | time |
 //! |---|---|---|

@@ -19,7 +19,8 @@ pub const MOTION_SHARE: f32 = 0.1;
 pub const STUCK_PUSH: f32 = 0.06;
 /// \[counts\] How far that should have moved an encoder. Many: lags are longer than believed, constants less.
 pub const STUCK_COUNTS: f32 = 20.0;
-/// In friction's own size: what a push may change by before a body at rest moves, from one way to the other, and half as much again.
+/// In friction's own size: what a push may change by before a body at rest moves, from one way to the other,
+/// and half as much again.
 const STICTION: f32 = 3.0;
 /// \[ticks\] From when on an encoder counts as still; until then, what pushed it to where it is dies away.
 pub const STILL_TICKS: u32 = 240;
@@ -30,11 +31,14 @@ pub const MOTION_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
 pub const STOP_MARGIN: f32 = 0.05;
 
-/// Compares the rate that the voltages should have given with the rate that was seen, both through the same two wash-outs.
+/// Compares the rate that the voltages should have given with the rate that was seen, both through the same
+/// two wash-outs.
 ///
-/// With the model's acceleration a, pushed = a T/(s T + 1); with the estimated rate v, shown = v s T/(s T + 1). For a true
-/// model the two are the same. A second wash-out s L/(s L + 1) takes out what lasts: a wrong weight, a hand, a disturbance. A stuck encoder shows nothing, one with its sign swapped the opposite. A rig that rests
-/// nose down lies on a stop which the model does not know: there, a push further down counts as none.
+/// With the model's acceleration a, pushed = a T/(s T + 1); with the estimated rate v, shown = v s T/(s T +
+/// 1). For a true model the two are the same. A second wash-out s L/(s L + 1) takes out what lasts: a wrong
+/// weight, a hand, a disturbance. A stuck encoder shows nothing, one with its sign swapped the opposite. A
+/// rig that rests nose down lies on a stop which the model does not know: there, a push further down counts
+/// as none.
 ///
 /// The model is linearised about the horizontal: what that gets wrong lasts, and is washed out as well.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,8 +206,8 @@ impl Watch {
 
 /// An encoder that does not move, and what it should have moved by.
 ///
-/// A load that the model does not know (a weight, a hand, a disturbance) does not change with the push; so a change of the push
-/// moves even a loaded axis, and less of it is enough than for a comparison of rates.
+/// A load that the model does not know (a weight, a hand, a disturbance) does not change with the push; so a
+/// change of the push moves even a loaded axis, and less of it is enough than for a comparison of rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Stillness {
     /// \[counts\] How far the encoder is from where it has been still.

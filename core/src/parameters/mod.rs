@@ -1,7 +1,9 @@
-//! The parameter record: everything that a board must know of its rig and its controller, as one value with a version.
+//! The parameter record: everything that a board must know of its rig and its controller, as one value with a
+//! version.
 //!
-//! The host builds it from a preset and a gains file, the board keeps it in flash ([`store`]) or, until something is
-//! stored, boots with the one that was compiled in. Both decode the same bytes, so both fly the same numbers.
+//! The host builds it from a preset and a gains file, the board keeps it in flash ([`store`]) or, until
+//! something is stored, boots with the one that was compiled in. Both decode the same bytes, so both fly the
+//! same numbers.
 
 pub mod ram_flash;
 pub mod store;
@@ -85,9 +87,9 @@ pub enum ParameterError {
 impl Parameters {
     /// For a rig and a controller: settings as given, the rest as the rig has it.
     ///
-    /// The supply may be between half the motors' limit and 25 % above it. The host may be silent for half a second.
-    /// The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit: with less, real
-    /// friction holds the yaw axis of an Aero, which needs 7 to 8 V to break away.
+    /// The supply may be between half the motors' limit and 25 % above it. The host may be silent for half a
+    /// second. The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit:
+    /// with less, real friction holds the yaw axis of an Aero, which needs 7 to 8 V to break away.
     pub fn new(rig: &Rig, settings: &Settings<f64>) -> Self {
         let scale = |counts: u32, rest: f64| {
             let angle_per_count = core::f64::consts::TAU / f64::from(counts);

@@ -86,8 +86,8 @@ fn a_thousand_saves_each_hold() {
     }
 }
 
-/// Every flash operation of saves that stay on a page, turn a page and erase each of the three, at every progress, with
-/// several random patterns.
+/// Every flash operation of saves that stay on a page, turn a page and erase each of the three, at every
+/// progress, with several random patterns.
 #[test]
 fn a_cut_anywhere_leaves_the_old_or_the_new_record() {
     let mut erases = 0;

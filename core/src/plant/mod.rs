@@ -16,8 +16,8 @@ use crate::axes::{PerAxis, PerMotor};
 use crate::compensated::Compensated;
 use crate::real::{Mask, Real};
 
-/// \[rad/s\] Width of the smooth Coulomb friction: it opposes the rate by F ω/√(ω² + w²). A body held against it
-/// creeps at about this rate, slower than one encoder count a second.
+/// \[rad/s\] Width of the smooth Coulomb friction: it opposes the rate by F ω/√(ω² + w²). A body held against
+/// it creeps at about this rate, slower than one encoder count a second.
 pub const FRICTION_WIDTH: f64 = 0.002;
 
 /// A helicopter in motion.

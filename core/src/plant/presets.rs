@@ -1,7 +1,7 @@
 //! The rigs: every constant with its unit and its source.
 //!
-//! Published constants of these machines differ by factors, so each preset says whose they are. Gains do not carry
-//! from one to another.
+//! Published constants of these machines differ by factors, so each preset says whose they are. Gains do not
+//! carry from one to another.
 
 use super::{Effectiveness, PlantParameters};
 use crate::DEGREE;
@@ -62,23 +62,29 @@ pub struct MotorConstants {
 const PITCH_ENVELOPE: f64 = 40.0 * DEGREE;
 /// \[rad/s\] Twice the fastest rate of a time-optimal step of 15 and 40 degrees within 24 V.
 const RATE_ENVELOPE: PerAxis<f64> = PerAxis::new(10.0, 10.0);
-/// Compare steps between zero and full voltage of a locked anti-phase bridge at 20 kHz, centre-aligned, from a
-/// 168 MHz timer: 168e6 / 20e3 / 2 / 2.
+/// Compare steps between zero and full voltage of a locked anti-phase bridge at 20 kHz, centre-aligned, from
+/// a 168 MHz timer: 168e6 / 20e3 / 2 / 2.
 const PWM_STEPS: u32 = 2_100;
 
 const NO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
 
-/// MotorConstants of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A continuous; propeller
-/// drag 8e-5 N m s/rad).
-const AERO_MOTOR: MotorConstants =
-    MotorConstants { resistance: 8.4, back_emf: 0.042, drag: 8e-5, peak_current: 2.0, continuous_current: 0.5 };
+/// Motor of the Aero and the Aero 2 (Aero 2 user manual: R 8.4 ohm, k_m .042 V s/rad, 2 A peak, .5 A
+/// continuous; propeller drag 8e-5 N m s/rad).
+const AERO_MOTOR: MotorConstants = MotorConstants {
+    resistance: 8.4,
+    back_emf: 0.042,
+    drag: 8e-5,
+    peak_current: 2.0,
+    continuous_current: 0.5,
+};
 
-/// Table 3 as printed, limits ±24 V (section 5). In the rig's world, what the paper is silent on: the encoders of
-/// the Aero 2 (user manual: 2880 and 4096 counts) and a rotor lag of .05 s (an estimate from R and k_m of the
-/// Aero's motor; measured ones are three times as long).
+/// Table 3 as printed, limits ±24 V (section 5). In the rig's world, what the paper is silent on: the
+/// encoders of the Aero 2 (user manual: 2880 and 4096 counts) and a rotor lag of .05 s (an estimate from R
+/// and k_m of the Aero's motor; measured ones are three times as long).
 ///
-/// k_pp = .022 is ten to twenty times the manufacturer's .0011 and most likely a misprint; see [`PAPER_FIXED`].
+/// k_pp = .022 is ten to twenty times the manufacturer's .0011 and most likely a misprint; see
+/// [`PAPER_FIXED`].
 pub const PAPER: Rig = Rig {
     plant: PlantParameters {
         mass: 1.075,
@@ -115,9 +121,9 @@ pub const PAPER_FIXED: Rig =
 const AERO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0011, tail_on_pitch: 0.0021, main_on_yaw: -0.0027, tail_on_yaw: 0.0022 };
 
-/// Quanser Aero (2016) as its manufacturer's set-up file has it: J .0219/.0220, D .0071116/.0220, Ksp .037463 and
-/// the four thrust gains; encoders 2048/4096; ±24 V; rotor lag as fitted on the Aero 2, which has the same motors
-/// (.162-.169 s).
+/// Quanser Aero (2016) as its manufacturer's set-up file has it: J .0219/.0220, D .0071116/.0220, Ksp .037463
+/// and the four thrust gains; encoders 2048/4096; ±24 V; rotor lag as fitted on the Aero 2, which has the
+/// same motors (.162-.169 s).
 pub const AERO: Rig = Rig {
     plant: PlantParameters {
         mass: 1.075,
@@ -137,8 +143,8 @@ pub const AERO: Rig = Rig {
     ..PAPER
 };
 
-/// Quanser Aero 2 as identified by its manufacturer (parameter file of the Aero 2): J .0231885/.0238104,
-/// D .00199/.00192, Ksp .00744, Kpp .000537, Kpy .000229, Kyp -.000534, Kyy .00102; encoders 2880/4096 and the
+/// Quanser Aero 2 as identified by its manufacturer (parameter file of the Aero 2): J .0231885/.0238104, D
+/// .00199/.00192, Ksp .00744, Kpp .000537, Kpy .000229, Kyp -.000534, Kyy .00102; encoders 2880/4096 and the
 /// recommended ±18 V (user manual); rotor lag .162-.169 s as fitted.
 pub const AERO2: Rig = Rig {
     plant: PlantParameters {
@@ -159,8 +165,8 @@ pub const AERO2: Rig = Rig {
     ..AERO
 };
 
-/// Quanser Aero as logs of a real one show it (identified from open-loop runs with tachometers; inertias fixed at
-/// the set-up file's .0219/.0220, since angles and volts give only ratios): rotor lag .15 s, thrust
+/// Quanser Aero as logs of a real one show it (identified from open-loop runs with tachometers; inertias
+/// fixed at the set-up file's .0219/.0220, since angles and volts give only ratios): rotor lag .15 s, thrust
 /// a v + b v|v|, reaction torque of the rotors, Coulomb friction, K_sp; no m g L cos θ. ±24 V.
 pub const AERO_LAB: Rig = Rig {
     plant: PlantParameters {
@@ -188,8 +194,8 @@ pub const AERO_LAB: Rig = Rig {
 };
 
 /// The classic 2-DOF Helicopter (Quanser manual): m 1.3872 kg, l_cm .186 m in front of the pivot, inertias
-/// .0384/.0432 without m l², D .8/.318, K .204/.0068/.0219/.072; ±24 V main, ±15 V tail; 4096/8192 counts; rests
-/// nose down at 40.5 degrees. Its manual gives no rotor lag: .1 s is assumed.
+/// .0384/.0432 without m l², D .8/.318, K .204/.0068/.0219/.072; ±24 V main, ±15 V tail; 4096/8192 counts;
+/// rests nose down at 40.5 degrees. Its manual gives no rotor lag: .1 s is assumed.
 #[expect(clippy::approx_constant, reason = "the manual's damping of .318 is not 1/pi")]
 pub const HELI: Rig = Rig {
     plant: PlantParameters {
@@ -282,8 +288,8 @@ mod tests {
         assert_eq!(rig.validate().unwrap_err().field, "effectiveness (determinant)");
     }
 
-    /// The hold voltages at 15 degrees that follow from eqs (28)-(29), and the sections of the literature they come from:
-    /// .081 and .840 V with Table 3, 5.53 and 6.79 V with the manufacturer's gains.
+    /// The hold voltages at 15 degrees that follow from eqs (28)-(29), and the sections of the literature
+    /// they come from: .081 and .840 V with Table 3, 5.53 and 6.79 V with the manufacturer's gains.
     #[test]
     fn hold_volts_at_15_degrees() {
         for (rig, main, tail) in [(PAPER, 0.081, 0.840), (PAPER_FIXED, 5.53, 6.79)] {

@@ -1,9 +1,9 @@
 //! From volts applied to torque on the body: rotor lag, thrust, reaction torque.
 //!
 //! The paper's rotors answer at once and in proportion (eqs (5)-(6)). Real ones lag by a first-order time
-//! constant of .05 to .16 s, thrust grows with the square of the speed, and a motor that accelerates its rotor
-//! turns the body the other way at once. Volts are held over a step, so the lag has an exact solution and
-//! costs the integrator no state.
+//! constant of .05 to .16 s, thrust grows with the square of the speed, and a motor that accelerates its
+//! rotor turns the body the other way at once. Volts are held over a step, so the lag has an exact solution
+//! and costs the integrator no state.
 
 use super::{Effectiveness, PlantParameters};
 use crate::axes::{PerAxis, PerMotor};
@@ -19,8 +19,8 @@ pub trait Thrust<R: Real> {
     where
         Self: Sized;
 
-    /// The torque over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts in
-    /// effect, after the lag.
+    /// The torque over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts
+    /// in effect, after the lag.
     fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R>;
 }
 

@@ -24,8 +24,8 @@ fn yaw_momentum(p: &PlantParameters<f64>, s: &State<f64>) -> f64 {
     (p.inertia.yaw + p.mass * lever * lever) * s.rate.yaw
 }
 
-/// Both Coriolis terms and both gravity terms have the right sign and size: without friction and thrust, energy and the
-/// momentum about the vertical axis stay.
+/// Both Coriolis terms and both gravity terms have the right sign and size: without friction and thrust,
+/// energy and the momentum about the vertical axis stay.
 #[test]
 fn a_free_body_keeps_its_energy_and_its_momentum() {
     for (_, rig) in presets::ALL {
@@ -59,7 +59,8 @@ fn signs_are_as_documented() {
     assert_eq!(after(PerMotor::zero(), PerMotor::new(10.0, 0.0)), main);
 }
 
-/// The weight of the paper's helicopter drops the nose, with m g L cos θ; K_sp sin θ pulls it to the horizontal.
+/// The weight of the paper's helicopter drops the nose, with m g L cos θ; K_sp sin θ pulls it to the
+/// horizontal.
 #[test]
 fn gravity_pulls_as_printed() {
     let paper = RigidBody::new(&presets::PAPER.plant);
@@ -87,8 +88,8 @@ fn the_integrator_is_of_fourth_order() {
     assert!((order - 4.0).abs() < 0.15, "order {order}");
 }
 
-/// Coulomb friction holds a body that is pushed with less, up to the creep that its width allows, and slows one that moves at
-/// F/I.
+/// Coulomb friction holds a body that is pushed with less, up to the creep that its width allows, and slows
+/// one that moves at F/I.
 #[test]
 fn coulomb_friction_sticks_and_slows() {
     let p = presets::AERO_LAB.plant;
@@ -96,7 +97,8 @@ fn coulomb_friction_sticks_and_slows() {
     for _ in 0..2_000 {
         pushed.advance(PerMotor::zero(), PerMotor::zero());
     }
-    // K_sp x .02 rad is less than the friction: it creeps by a part of the width, a third of an encoder count in 2 s.
+    // K_sp x .02 rad is less than the friction: it creeps by a part of the width, a third of an encoder count
+    // in 2 s.
     assert!((pushed.state().angle.pitch - 0.02).abs() < 2.0 * FRICTION_WIDTH);
 
     let spinning = State { angle: PerAxis::zero(), rate: PerAxis::new(0.0, 1.0) };

@@ -256,8 +256,8 @@ pub enum Next {
     Latch,
 }
 
-use Next::{Latch, Stay, To};
 use ArmState::{Armed, Checking, Disarmed, Ready};
+use Next::{Latch, Stay, To};
 
 /// Every transition there is: a row for each state, a column for each event.
 #[rustfmt::skip]
@@ -274,7 +274,8 @@ pub const TRANSITIONS: [[Next; 7]; 5] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Supervisor {
     state: ArmState,
-    /// What was present at the last step, if that changed nothing and nothing was asked: the same again changes nothing.
+    /// What was present at the last step, if that changed nothing and nothing was asked: the same again
+    /// changes nothing.
     settled: Option<Conditions>,
 }
 
@@ -294,7 +295,8 @@ impl Supervisor {
         self.state
     }
 
-    /// One tick: `present` is all that is wrong now, `request` what the operator asks. Tells whether the state changes.
+    /// One tick: `present` is all that is wrong now, `request` what the operator asks. Tells whether the
+    /// state changes.
     #[inline(always)]
     pub fn step(&mut self, present: Conditions, request: Option<Request>) -> bool {
         if request.is_none() && self.settled == Some(present) {

@@ -1,8 +1,13 @@
 use super::*;
 use std::vec::Vec;
 
-const STATES: [ArmState; 5] =
-    [ArmState::Disarmed, ArmState::Ready, ArmState::Checking, ArmState::Armed, ArmState::Fault(Condition::NonFinite)];
+const STATES: [ArmState; 5] = [
+    ArmState::Disarmed,
+    ArmState::Ready,
+    ArmState::Checking,
+    ArmState::Armed,
+    ArmState::Fault(Condition::NonFinite),
+];
 const REQUESTS: [Option<Request>; 5] =
     [None, Some(Request::Arm), Some(Request::Disarm), Some(Request::ClearFault), Some(Request::Check)];
 
@@ -103,8 +108,8 @@ fn a_reset_that_should_not_have_been_is_a_fault_from_the_start() {
     assert_eq!(Supervisor::new(None).state(), ArmState::Disarmed);
 }
 
-/// Over random ticks: armed only ever from ready, and never in a tick with a hazard; and that nothing is looked up where
-/// nothing has changed makes no difference.
+/// Over random ticks: armed only ever from ready, and never in a tick with a hazard; and that nothing is
+/// looked up where nothing has changed makes no difference.
 #[test]
 fn long_random_runs_keep_the_rules() {
     let mut seed = 1_u32;

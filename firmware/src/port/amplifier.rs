@@ -1,8 +1,9 @@
 //! The PWM of both motors, and the tick: one advanced timer does both.
 //!
-//! It counts up and down between 0 and [`TOP`] at 168 MHz, 20 kHz PWM. Its repetition counter lets an update event pass every
-//! [`HALF_PERIODS`] half periods, exactly 1 ms. That event raises the tick's interrupt and at the same instant takes over the
-//! compare values that the tick before has written: what a tick decides acts from the next one on, to the clock cycle.
+//! It counts up and down between 0 and [`TOP`] at 168 MHz, 20 kHz PWM. Its repetition counter lets an update
+//! event pass every [`HALF_PERIODS`] half periods, exactly 1 ms. That event raises the tick's interrupt and
+//! at the same instant takes over the compare values that the tick before has written: what a tick decides
+//! acts from the next one on, to the clock cycle.
 
 use crate::board::{AMPLIFIER, DEAD_TIME, PWM};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
@@ -79,8 +80,8 @@ pub(crate) fn configure() {
         }),
         Amplifier::SignMagnitude => (0..4).for_each(|channel| w.set_cce(channel, true)),
     });
-    // The break input switches the outputs off without any program, and they stay off (AOE = 0). Lock level 1 keeps these
-    // settings until the next reset.
+    // The break input switches the outputs off without any program, and they stay off (AOE = 0). Lock level 1
+    // keeps these settings until the next reset.
     PWM.bdtr().write(|w| {
         w.set_dtg(DEAD_TIME);
         w.set_ossi(Ossi::IDLE_LEVEL);

@@ -1,4 +1,5 @@
-//! The way to the plant. Encoders and PWM amplifiers here; a rig with another interface is another [`PlantPort`].
+//! The way to the plant. Encoders and PWM amplifiers here; a rig with another interface is another
+//! [`PlantPort`].
 
 pub(crate) mod amplifier;
 pub(crate) mod senses;
@@ -21,7 +22,8 @@ pub(crate) trait PlantPort {
     fn counters(&mut self) -> PerAxis<u32>;
     /// What else there is to see; call it once a tick.
     fn sense(&mut self) -> Sensed;
-    /// To be latched at the next tick. Without `enable` the motors are off at once and these count for nothing.
+    /// To be latched at the next tick. Without `enable` the motors are off at once and these count for
+    /// nothing.
     fn write(&mut self, duty: PerMotor<Duty<f32>>, enable: bool);
 }
 

@@ -3,13 +3,13 @@
 use super::common::Common;
 use super::{print, print_json, tables};
 use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
-use crate::operation_count::{Counted, operations};
 use crate::error::Outcome;
 use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
 use crate::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
 use crate::metrics::{Criterion, Integral};
 use crate::objective::Objective;
+use crate::operation_count::{Counted, operations};
 use crate::optimise::Candidate;
 use crate::rig::NamedRig;
 use crate::scenario::{SAMPLE_TIME, Scenario};
@@ -49,7 +49,8 @@ struct Kernel {
     share_of_peak: f64,
 }
 
-/// Kernels are measured in turn, several times over, so that a change of the machine's speed hits all of them.
+/// Kernels are measured in turn, several times over, so that a change of the machine's speed hits all of
+/// them.
 const ROUNDS: usize = 7;
 
 pub(super) fn run(args: &Args) -> Outcome<()> {

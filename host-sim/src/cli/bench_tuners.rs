@@ -32,7 +32,8 @@ pub(super) struct Args {
     /// Searches of each
     #[arg(long, value_name = "N", default_value_t = 20)]
     seeds: usize,
-    /// The problem: the paper's four gains on its ISE, or all of a controller's parameters on the robust objective
+    /// The problem: the paper's four gains on its ISE, or all of a controller's parameters on the robust
+    /// objective
     #[arg(long, default_value = "ise")]
     objective: Goal,
     /// Evaluations of each search [default: 1550 for ISE, 600 for robust]

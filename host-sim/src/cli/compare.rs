@@ -38,7 +38,8 @@ pub(super) struct Args {
     /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
-    /// Rig that every plant is in truth, whatever the controllers believe; lag and disturbance are still drawn
+    /// Rig that every plant is in truth, whatever the controllers believe; lag and disturbance are still
+    /// drawn
     #[arg(long, value_name = "RIG")]
     true_rig: Option<String>,
     /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/compared/PRESET/NAME.toml the others'
@@ -47,7 +48,8 @@ pub(super) struct Args {
     /// Write every flight's numbers, a row each: .parquet, .npz or .csv
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
-    /// First tune all but ours with one budget, N searches of 500 evaluations, and write the gains into the folder
+    /// First tune all but ours with one budget, N searches of 500 evaluations, and write the gains into the
+    /// folder
     #[arg(long, value_name = "N")]
     tune: Option<usize>,
 }
@@ -182,8 +184,8 @@ fn file_stem(named: &NamedRig) -> String {
         .map_or_else(|| named.name.clone(), |s| s.to_string_lossy().into_owned())
 }
 
-/// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as it was designed and is
-/// marked so.
+/// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as
+/// it was designed and is marked so.
 fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, ControllerSettings<f64>)>> {
     let load = |path: &Path| Ok::<_, Failure>(GainsFile::load(&path.display().to_string())?.controller);
     let tuned_or_designed = |path: &Path, shown: &str, design: &str| {
@@ -212,7 +214,8 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
     Ok(list)
 }
 
-/// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies by default has had more.
+/// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies
+/// by default has had more.
 fn tune_all(args: &Args, named: &NamedRig, rounds: usize) -> Outcome<()> {
     if rounds == 0 || rounds > 1000 {
         return Err(Failure::Input(format!("--tune is {rounds}; allowed: 1 to 1000")));

@@ -1,4 +1,5 @@
-//! The command line: flags as typed, resolved into what the library takes; exit status decided here and nowhere else.
+//! The command line: flags as typed, resolved into what the library takes; exit status decided here and
+//! nowhere else.
 //!
 //! 0 done; 1 the run failed; 2 bad input, told in one line; 130 after Ctrl-C, with the best so far written.
 

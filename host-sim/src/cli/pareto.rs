@@ -40,7 +40,8 @@ pub(super) struct Args {
     /// Factor within which each parameter is searched
     #[arg(long, value_name = "FACTOR", default_value_t = 4.0, allow_negative_numbers = true)]
     range: f64,
-    /// Folder for front.svg, front.csv and the gains of every point, 01.toml and so on; made if it is not there
+    /// Folder for front.svg, front.csv and the gains of every point, 01.toml and so on; made if it is not
+    /// there
     #[arg(long, value_name = "DIR", default_value = "front")]
     out: PathBuf,
 }

@@ -31,10 +31,12 @@ pub(super) struct Args {
     /// Other names, signs and units of columns, such as t=time:ms,pitch=-theta:deg,v0=u_main
     #[arg(long, value_name = "LIST", default_value = "", allow_hyphen_values = true)]
     columns: String,
-    /// What was wanted, where the log does not say: step, 1, 2, 3, 3-square, or a FILE.toml; time begins with the log
+    /// What was wanted, where the log does not say: step, 1, 2, 3, 3-square, or a FILE.toml; time begins with
+    /// the log
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<String>,
-    /// Replay it on the board at this serial port as well, which must keep these gains, and compare to the bit
+    /// Replay it on the board at this serial port as well, which must keep these gains, and compare to the
+    /// bit
     #[arg(long, value_name = "DEVICE")]
     port: Option<String>,
     /// Draw rates and volts as .svg or .png

@@ -53,7 +53,8 @@ pub(super) struct Args {
     /// Write every tick to a CSV file, SI units
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write every tick, SI units, for other tools: .parquet, .mcap (PlotJuggler, Foxglove, Rerun), .npz or .csv
+    /// Write every tick, SI units, for other tools: .parquet, .mcap (PlotJuggler, Foxglove, Rerun), .npz or
+    /// .csv
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
     /// Draw the flight as .svg or .png

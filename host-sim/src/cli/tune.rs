@@ -26,11 +26,12 @@ use twinrotor::gains::NAMES;
 pub(super) struct Args {
     #[command(flatten)]
     pub(super) common: Common,
-    /// Search method: fpa-paper (the paper's Fig. 4), fpa-yang (as published), fpa-demo (the widespread demo code), fpa-adaptive
-    /// (ours), ga, pso, gwo, de, cmaes, nelder-mead, random, sobol
+    /// Search method: fpa-paper (the paper's Fig. 4), fpa-yang (as published), fpa-demo (the widespread demo
+    /// code), fpa-adaptive (ours), ga, pso, gwo, de, cmaes, nelder-mead, random, sobol
     #[arg(long, default_value = "fpa-paper")]
     pub(super) algorithm: String,
-    /// What to minimise: an integral of the error, or the robust objective over many plants (with --fidelity rig)
+    /// What to minimise: an integral of the error, or the robust objective over many plants (with --fidelity
+    /// rig)
     #[arg(long, default_value = "ise")]
     objective: Goal,
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own

@@ -18,8 +18,8 @@ pub struct Constant {
     reach: Reach,
 }
 
-/// How far from zero a constant may lie, for each kg m² of the inertia it works on: chosen to hold every rig that
-/// `core/src/plant/presets.rs` knows with room to spare.
+/// How far from zero a constant may lie, for each kg m² of the inertia it works on: chosen to hold every rig
+/// that `core/src/plant/presets.rs` knows with room to spare.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reach {
     /// Zero to this, for each unit of pitch inertia.
@@ -48,9 +48,10 @@ const fn known(name: &'static str, unit: &'static str, least: f64, most: f64) ->
 
 /// Every constant, in the order of [`PlantParameters::map`].
 ///
-/// Angles and volts give only ratios to the inertias, so inertias, mass, centre of mass and gravity are known unless they are freed
-/// by name. A motor's own thrust on its own axis is positive by the sign convention. What it does to the other axis has the sign that the
-/// preset gives it at usual volts, if it gives one: linear and quadratic part alike, since a propeller that turns faster pushes harder.
+/// Angles and volts give only ratios to the inertias, so inertias, mass, centre of mass and gravity are known
+/// unless they are freed by name. A motor's own thrust on its own axis is positive by the sign convention.
+/// What it does to the other axis has the sign that the preset gives it at usual volts, if it gives one:
+/// linear and quadratic part alike, since a propeller that turns faster pushes harder.
 pub const CONSTANTS: [Constant; COUNT] = [
     known("mass", "kg", 1e-3, 1e2),
     known("center_of_mass", "m", -1.0, 1.0),
@@ -119,8 +120,8 @@ pub fn from_array(values: &[f64; COUNT]) -> PlantParameters<f64> {
     any.map(|_| *next.next().expect("a plant has as many constants as the table"))
 }
 
-/// Which constants are fitted: the usual ones, and those of `freed`, without those of `fixed`. A name stands for itself and for what
-/// begins with it and a dot.
+/// Which constants are fitted: the usual ones, and those of `freed`, without those of `fixed`. A name stands
+/// for itself and for what begins with it and a dot.
 pub fn chosen(freed: &[String], fixed: &[String]) -> Outcome<Vec<usize>> {
     let matches = |name: &str, wanted: &String| {
         name.strip_prefix(wanted.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))

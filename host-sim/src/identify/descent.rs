@@ -5,8 +5,8 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-/// Descends from a guess to the nearest minimum. Constants stay within their bounds by p = least + (most - least)(1 + sin x)/2, as
-/// MINUIT does it (F. James, CERN D506).
+/// Descends from a guess to the nearest minimum. Constants stay within their bounds by p = least + (most -
+/// least)(1 + sin x)/2, as MINUIT does it (F. James, CERN D506).
 pub fn descend(problem: &Problem<'_>, from: &Guess) -> (Guess, f64) {
     let mut start = from.clone();
     for (value, [least, most]) in start.values.iter_mut().zip(problem.bounds()) {

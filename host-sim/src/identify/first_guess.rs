@@ -1,7 +1,8 @@
 //! Where a fit begins, without a guess from outside: accelerations by linear regression.
 //!
-//! With angles smoothed and rotors given a lag, M q̈ = torque is linear in every other constant. Differentiated encoder
-//! counts bias such a fit, so it is only a start; but the signs it finds are those of the rig, and show columns that are swapped.
+//! With angles smoothed and rotors given a lag, M q̈ = torque is linear in every other constant.
+//! Differentiated encoder counts bias such a fit, so it is only a start; but the signs it finds are those of
+//! the rig, and show columns that are swapped.
 
 use super::constants::{CONSTANTS, from_array, to_array};
 use super::smooth::smooth;
@@ -17,7 +18,8 @@ const UNKNOWN: f64 = 1e-3;
 /// \[s\] Lags that are tried.
 const LAGS: [f64; 6] = [0.03, 0.06, 0.1, 0.15, 0.22, 0.3];
 
-/// The constants that regression gives, at the lag that explains most, with `base`'s inertias and lag-free terms.
+/// The constants that regression gives, at the lag that explains most, with `base`'s inertias and lag-free
+/// terms.
 pub fn first_guess(runs: &[Run], base: &PlantParameters<f64>) -> PlantParameters<f64> {
     let guesses = LAGS.map(|lag| regress(runs, base, lag));
     let best = guesses.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));

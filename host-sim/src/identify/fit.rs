@@ -6,8 +6,8 @@ use serde::Serialize;
 use twinrotor::axes::PerAxis;
 use twinrotor::plant::PlantParameters;
 
-/// Fit in percent, 100 (1 - root mean square error / standard deviation over the log), with windows of one length; none for an axis
-/// that does not move.
+/// Fit in percent, 100 (1 - root mean square error / standard deviation over the log), with windows of one
+/// length; none for an axis that does not move.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Fit {
     /// \[s\]

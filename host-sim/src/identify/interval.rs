@@ -1,10 +1,12 @@
 //! How well each constant is known: 95 % intervals, and which constants the logs say nothing about.
 //!
-//! Errors within a window hang together, so their number says little; windows are far less dependent. The covariance is the
-//! cluster-robust sandwich with windows as clusters, each window's residuals enlarged by what the fit took from them (CR3: Bell and
-//! McCaffrey, Survey Methodology 28, 2002), which is the jackknife over windows and errs on the side of caution. Where there are
-//! fewer than [`CLUSTERS_AN_UNKNOWN`] windows for each unknown, windows are split into equal parts until there are as many. Parts of a
-//! window do hang together, so quantiles are Student's for as many degrees of freedom as there are whole windows beyond unknowns.
+//! Errors within a window hang together, so their number says little; windows are far less dependent. The
+//! covariance is the cluster-robust sandwich with windows as clusters, each window's residuals enlarged by
+//! what the fit took from them (CR3: Bell and McCaffrey, Survey Methodology 28, 2002), which is the jackknife
+//! over windows and errs on the side of caution. Where there are fewer than [`CLUSTERS_AN_UNKNOWN`] windows
+//! for each unknown, windows are split into equal parts until there are as many. Parts of a window do hang
+//! together, so quantiles are Student's for as many degrees of freedom as there are whole windows beyond
+//! unknowns.
 
 use super::problem::{Block, Problem};
 use nalgebra::{DMatrix, DVector};
@@ -26,8 +28,8 @@ pub struct Precision {
 
 /// Fewer clusters than this for each unknown say little of how they scatter.
 pub const CLUSTERS_AN_UNKNOWN: usize = 3;
-/// Degrees of freedom where there are hardly more windows than unknowns: fewer would make every interval useless, and with these
-/// nine in ten hold the truth (the study is a test of [`super`]).
+/// Degrees of freedom where there are hardly more windows than unknowns: fewer would make every interval
+/// useless, and with these nine in ten hold the truth (the study is a test of [`super`]).
 const FEWEST_DEGREES: usize = 4;
 /// Nearer to a bound than this part of the range: the bound holds it.
 const AT_BOUND: f64 = 3e-6;
@@ -51,7 +53,8 @@ pub fn precision(problem: &Problem<'_>, values: &[f64], blocks: &[Block]) -> Pre
         .collect();
     let clusters = clusters(blocks, &told);
 
-    // In units in which each column has length 1, so that small and large constants are told apart from unknown ones.
+    // In units in which each column has length 1, so that small and large constants are told apart from
+    // unknown ones.
     let scale = DVector::from_iterator(told.len(), told.iter().map(|k| raw[(*k, *k)].sqrt()));
     let scaled =
         DMatrix::from_fn(told.len(), told.len(), |i, j| raw[(told[i], told[j])] / (scale[i] * scale[j]));
@@ -97,7 +100,8 @@ pub fn precision(problem: &Problem<'_>, values: &[f64], blocks: &[Block]) -> Pre
     Precision { half_width, at_bound, covariance, information: raw / mean_square, mean_square }
 }
 
-/// Rows that stand together: windows, or equal parts of them where there are few; with the columns that are known of.
+/// Rows that stand together: windows, or equal parts of them where there are few; with the columns that are
+/// known of.
 fn clusters(blocks: &[Block], told: &[usize]) -> Vec<(DMatrix<f64>, DVector<f64>)> {
     let parts = (CLUSTERS_AN_UNKNOWN * told.len()).div_ceil(blocks.len().max(1)).max(1);
     let split = |block: &Block| {
@@ -112,7 +116,8 @@ fn clusters(blocks: &[Block], told: &[usize]) -> Vec<(DMatrix<f64>, DVector<f64>
     blocks.iter().flat_map(split).collect()
 }
 
-/// Jᵀ(I - H)⁻¹ r of one cluster, H = J B Jᵀ: by (I - J B Jᵀ)⁻¹ r = r + J B (I - JᵀJ B)⁻¹ Jᵀr, as small as there are unknowns.
+/// Jᵀ(I - H)⁻¹ r of one cluster, H = J B Jᵀ: by (I - J B Jᵀ)⁻¹ r = r + J B (I - JᵀJ B)⁻¹ Jᵀr, as small as
+/// there are unknowns.
 fn leave_out(jacobian: &DMatrix<f64>, residuals: &DVector<f64>, bread: &DMatrix<f64>) -> DVector<f64> {
     let own = jacobian.transpose() * jacobian;
     let score = jacobian.transpose() * residuals;
@@ -123,7 +128,8 @@ fn leave_out(jacobian: &DMatrix<f64>, residuals: &DVector<f64>, bread: &DMatrix<
     svd.solve(&score, 1e-6).unwrap_or(score)
 }
 
-/// The 97.5 % quantile of Student's distribution (Cornish-Fisher expansion: Abramowitz and Stegun 26.7.5), right to a percent from 3 degrees of freedom on.
+/// The 97.5 % quantile of Student's distribution (Cornish-Fisher expansion: Abramowitz and Stegun 26.7.5),
+/// right to a percent from 3 degrees of freedom on.
 pub fn student_95(degrees: usize) -> f64 {
     match degrees {
         0 | 1 => 12.706,

@@ -1,8 +1,9 @@
 //! The constants of a real rig from its own logs.
 //!
-//! Output error: the core's plant is fed the volts of a log and its constants are moved until its angles look like the logged ones.
-//! In the order of a run: [`windows`] cuts logs, [`tachometer`] reads lags, [`first_guess`] finds where to begin, [`problem`] is the least squares, [`search`]
-//! and [`descent`] solve it, [`interval`] says how well each constant is known, [`mod@fit`] how well the logs are explained, and
+//! Output error: the core's plant is fed the volts of a log and its constants are moved until its angles look
+//! like the logged ones. In the order of a run: [`windows`] cuts logs, [`tachometer`] reads lags,
+//! [`first_guess`] finds where to begin, [`problem`] is the least squares, [`search`] and [`descent`] solve
+//! it, [`interval`] says how well each constant is known, [`mod@fit`] how well the logs are explained, and
 //! [`suggest`] which experiment would tell more.
 
 pub mod constants;
@@ -28,8 +29,9 @@ use twinrotor::plant::PlantParameters;
 use twinrotor::plant::presets::Rig;
 use windows::{Run, Window};
 
-/// \[s\] Length of the windows that constants are fitted to, when nothing else is said: long enough to tell friction from damping, and
-/// short enough that a real rig's whims do not add up. Logs that were kept out decided (docs/identify.md).
+/// \[s\] Length of the windows that constants are fitted to, when nothing else is said: long enough to tell
+/// friction from damping, and short enough that a real rig's whims do not add up. Logs that were kept out
+/// decided (docs/identify.md).
 pub const WINDOW: f64 = 3.5;
 /// Part of an angle's standard deviation from which on a residual is an outlier, when nothing else is said.
 pub const THRESHOLD: f64 = 0.3;
@@ -54,7 +56,8 @@ pub struct Parameter {
 /// Of a bound's range: an interval narrower than this is knowledge even around zero.
 const NARROW: f64 = 1e-3;
 
-/// Takes the lags that tachometers show into `plant`, and out of what is `free` unless it was `freed` by name; gives them as found.
+/// Takes the lags that tachometers show into `plant`, and out of what is `free` unless it was `freed` by
+/// name; gives them as found.
 pub fn hold_measured_lags(
     runs: &[Run],
     plant: &mut PlantParameters<f64>,
@@ -133,8 +136,8 @@ pub fn fits(run: &Run, plant: &PlantParameters<f64>, offset: f64) -> Vec<Fit> {
     LENGTHS.into_iter().filter(long_enough).map(|length| fit(run, plant, offset, length)).collect()
 }
 
-/// The rig with what was found. A law that thinks the thrust curve straight takes its slope at the volts that were usual in the logs,
-/// where the preset named none.
+/// The rig with what was found. A law that thinks the thrust curve straight takes its slope at the volts that
+/// were usual in the logs, where the preset named none.
 pub fn identified(rig: &Rig, plant: PlantParameters<f64>, runs: &[Run]) -> Outcome<Rig> {
     let mut rig = Rig { plant, ..*rig };
     if rig.nominal_volts == 0.0 {

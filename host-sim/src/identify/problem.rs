@@ -1,12 +1,13 @@
 //! The least squares behind a fit: which constants make simulated windows look like the logs?
 //!
-//! Unknown are the free constants, a pitch offset of each run (its zero lies anywhere within the friction band) and, for every
-//! window, its initial angles and rates. The latter are many and each matters to its own window alone, so they are solved for inside
-//! and projected out of residuals and Jacobian (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973, with Kaufman's
-//! simplification). What remains has as many unknowns as there are constants and runs.
+//! Unknown are the free constants, a pitch offset of each run (its zero lies anywhere within the friction
+//! band) and, for every window, its initial angles and rates. The latter are many and each matters to its own
+//! window alone, so they are solved for inside and projected out of residuals and Jacobian (variable
+//! projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973, with Kaufman's simplification). What remains
+//! has as many unknowns as there are constants and runs.
 //!
-//! Residuals are in parts of each angle's standard deviation over its log, so the sum of squares is what the fit in percent is made
-//! of; one beyond a threshold counts by its size rather than its square.
+//! Residuals are in parts of each angle's standard deviation over its log, so the sum of squares is what the
+//! fit in percent is made of; one beyond a threshold counts by its size rather than its square.
 
 use super::constants::{CONSTANTS, COUNT, from_array, to_array};
 use super::windows::{Run, Window};
@@ -25,7 +26,8 @@ pub struct Problem<'a> {
     base: [f64; COUNT],
     free: Vec<usize>,
     bounds: Vec<[f64; 2]>,
-    /// Residual, in parts of the angle's standard deviation, from which on it counts by its size; infinite for squares alone.
+    /// Residual, in parts of the angle's standard deviation, from which on it counts by its size; infinite
+    /// for squares alone.
     threshold: f64,
 }
 
@@ -45,7 +47,8 @@ pub struct Block {
     pub window: Window,
     /// Weighted, with outliers held down.
     pub residuals: DVector<f64>,
-    /// The same by each free constant and then each run's offset, with what initial states can explain taken out; empty unless asked for.
+    /// The same by each free constant and then each run's offset, with what initial states can explain taken
+    /// out; empty unless asked for.
     pub jacobian: DMatrix<f64>,
     /// The initial state that fits best.
     pub start: State<f64>,
@@ -59,10 +62,11 @@ const START_STEPS: usize = 8;
 const SETTLED: f64 = 1e-6;
 /// Steps for derivatives by differences: \[rad\] and \[rad/s\].
 const STATE_STEP: f64 = 1e-6;
-/// The same for constants, of their size: wide enough to look past the small kinks that friction makes in the cost.
+/// The same for constants, of their size: wide enough to look past the small kinks that friction makes in the
+/// cost.
 const VALUE_STEP: f64 = 1e-3;
-/// Directions of the initial state that matter less than this part of the one that matters most are left alone: a body held by
-/// friction forgets its initial rate.
+/// Directions of the initial state that matter less than this part of the one that matters most are left
+/// alone: a body held by friction forgets its initial rate.
 const NEGLIGIBLE: f64 = 1e-5;
 
 impl<'a> Problem<'a> {
@@ -187,9 +191,9 @@ impl<'a> Problem<'a> {
         DVector::from_vec(residuals)
     }
 
-    /// The initial state that fits a window best (Gauss and Newton, halved steps), with residuals and a basis of what other initial
-    /// states would change. The slopes are taken anew only where the old ones no longer lead on, since a window is nearly linear in
-    /// them, and where they end up in derivatives.
+    /// The initial state that fits a window best (Gauss and Newton, halved steps), with residuals and a basis
+    /// of what other initial states would change. The slopes are taken anew only where the old ones no longer
+    /// lead on, since a window is nearly linear in them, and where they end up in derivatives.
     fn settle(
         &self,
         window: &Window,
@@ -298,7 +302,8 @@ impl Slopes {
         Self { basis: u.select_columns(&kept), inverse }
     }
 
-    /// The step that takes out of the residuals what an initial state can, and how much of their square that is.
+    /// The step that takes out of the residuals what an initial state can, and how much of their square that
+    /// is.
     fn step(&self, residuals: &DVector<f64>) -> (DVector<f64>, f64) {
         let along = self.basis.transpose() * residuals;
         (-(&self.inverse * &along), along.norm_squared())

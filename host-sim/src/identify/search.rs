@@ -1,8 +1,9 @@
-//! From logs to constants: a search by flower pollination for where to begin, descents from there and from what regression and preset
-//! say, and the best of them.
+//! From logs to constants: a search by flower pollination for where to begin, descents from there and from
+//! what regression and preset say, and the best of them.
 //!
-//! Search and descent begin with short windows. Over these even a poor plant stays near the log, so there are fewer minima that are
-//! not the right one; where a descent ends, one over longer windows begins, up to those that were asked for.
+//! Search and descent begin with short windows. Over these even a poor plant stays near the log, so there are
+//! fewer minima that are not the right one; where a descent ends, one over longer windows begins, up to those
+//! that were asked for.
 
 use super::constants::to_array;
 use super::descent::descend;
@@ -81,8 +82,8 @@ impl Search {
         Self { identity, pollination, starts, descents: Vec::new() }
     }
 
-    /// Searches to the end (a problem with windows of `window` \[s\]), or until it is interrupted; then the best so far is what has
-    /// been found.
+    /// Searches to the end (a problem with windows of `window` \[s\]), or until it is interrupted; then the
+    /// best so far is what has been found.
     pub fn run(&mut self, problem: &Problem<'_>, window: f64, conduct: &Conduct<'_>) -> Outcome<End> {
         let offsets = vec![0.0; problem.runs()];
         let with_length = |length: &f64| {

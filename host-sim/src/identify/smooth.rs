@@ -1,5 +1,6 @@
-//! Angles and rates from sampled angles by local polynomials (Savitzky and Golay, Analytical Chemistry 36, 1964): a reference that
-//! looks ahead as far as it looks back, so it does not lag. No controller could have it; it is what estimates are measured by.
+//! Angles and rates from sampled angles by local polynomials (Savitzky and Golay, Analytical Chemistry 36,
+//! 1964): a reference that looks ahead as far as it looks back, so it does not lag. No controller could have
+//! it; it is what estimates are measured by.
 
 use nalgebra::DMatrix;
 
@@ -15,8 +16,8 @@ pub struct Smoothed {
 /// Degree of the polynomials: a cubic follows an acceleration that changes.
 const DEGREE: usize = 3;
 
-/// Fits a cubic to the samples within `reach` \[s\] of each sample, `step` \[s\] apart; near the ends to as many on one side. Needs
-/// more samples than a cubic has coefficients.
+/// Fits a cubic to the samples within `reach` \[s\] of each sample, `step` \[s\] apart; near the ends to as
+/// many on one side. Needs more samples than a cubic has coefficients.
 pub fn smooth(samples: &[f64], step: f64, reach: f64) -> Vec<Smoothed> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
     let half = (reach / step).round() as usize;
@@ -33,7 +34,8 @@ pub fn smooth(samples: &[f64], step: f64, reach: f64) -> Vec<Smoothed> {
     (0..samples.len()).map(at).collect()
 }
 
-/// What each of `width` samples contributes to value and derivative, at sample `centre`, of the polynomial nearest to them.
+/// What each of `width` samples contributes to value and derivative, at sample `centre`, of the polynomial
+/// nearest to them.
 fn weights(width: usize, centre: usize, step: f64) -> [Vec<f64>; 2] {
     let unit = width as f64;
     let power = |row: usize, degree: usize| ((row as f64 - centre as f64) / unit).powf(degree as f64);

@@ -1,8 +1,9 @@
 //! Which experiment would tell most about the constant that is known worst.
 //!
-//! Candidates are flights of the identified rig: steps of one axis or of both, at several sizes and paces, within its envelope. Each
-//! is simulated with the identified constants, and what it would add to the information is counted as if the new log were explained
-//! as well as the old ones (in percent of its spread). The one that narrows the worst constant's interval most is suggested.
+//! Candidates are flights of the identified rig: steps of one axis or of both, at several sizes and paces,
+//! within its envelope. Each is simulated with the identified constants, and what it would add to the
+//! information is counted as if the new log were explained as well as the old ones (in percent of its
+//! spread). The one that narrows the worst constant's interval most is suggested.
 
 use super::interval::Precision;
 use super::problem::{Guess, Problem};
@@ -85,7 +86,8 @@ pub fn suggest(
     Ok(Suggestion { what, constant: parameters[worst].name, remaining, toml })
 }
 
-/// The constant whose interval is widest against its value; one without an interval first of all, one at a bound last.
+/// The constant whose interval is widest against its value; one without an interval first of all, one at a
+/// bound last.
 fn worst(parameters: &[Parameter]) -> usize {
     let doubt = |p: &Parameter| match p.ci95 {
         _ if p.at_bound => 0.0,

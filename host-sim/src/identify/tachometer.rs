@@ -1,8 +1,9 @@
 //! A rotor's lag from its tachometer, where a log has one.
 //!
-//! Angles show a rotor's lag only through what the thrust does to a heavy body, where a faster rotor looks much like a stronger
-//! reaction torque. A tachometer shows it at once: the speed follows the volts in effect, w = a + b x + c x|x|, and x lags behind the
-//! volts that were sent. For each lag that is tried a, b and c are linear least squares; the lag with the smallest error is the rotor's.
+//! Angles show a rotor's lag only through what the thrust does to a heavy body, where a faster rotor looks
+//! much like a stronger reaction torque. A tachometer shows it at once: the speed follows the volts in
+//! effect, w = a + b x + c x|x|, and x lags behind the volts that were sent. For each lag that is tried a, b
+//! and c are linear least squares; the lag with the smallest error is the rotor's.
 
 use super::interval::student_95;
 use super::problem::stride;
@@ -60,7 +61,8 @@ fn lag(runs: &[Run], of: fn(&PerMotor<f64>) -> f64) -> Option<Lag> {
     Some(Lag { value, half_width })
 }
 
-/// Where, in steps, a row of errors is lowest, by the parabola through the lowest and its neighbours; none at an end.
+/// Where, in steps, a row of errors is lowest, by the parabola through the lowest and its neighbours; none at
+/// an end.
 fn lowest(errors: Vec<f64>) -> Option<f64> {
     let k = (0..errors.len()).min_by(|a, b| errors[*a].total_cmp(&errors[*b]))?;
     if k == 0 || k + 1 == errors.len() {

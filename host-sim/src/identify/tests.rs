@@ -98,8 +98,8 @@ fn known_constants_come_back_within_their_intervals() {
     assert!(hit as f64 >= 0.85 * found.len() as f64, "{hit} of {}: {found:?}", found.len());
 }
 
-/// Which true constants lie inside their intervals, of a rig whose lags, linear thrust and thrust across are known: few enough
-/// constants and a log short enough for a hundred repetitions.
+/// Which true constants lie inside their intervals, of a rig whose lags, linear thrust and thrust across are
+/// known: few enough constants and a log short enough for a hundred repetitions.
 fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
     let mut rng = Draws::new(90).of_move(seed);
     let known = [
@@ -122,7 +122,8 @@ fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
     free.iter().zip(parameters(&problem, &found).0).filter_map(inside).collect()
 }
 
-/// Each identifiable constant lies inside its interval in at least 90 of 100 rigs, every one up to 20 % off its preset.
+/// Each identifiable constant lies inside its interval in at least 90 of 100 rigs, every one up to 20 % off
+/// its preset.
 #[test]
 fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
     let found: Vec<Vec<(&str, bool)>> = (0..100).into_par_iter().map(recovered_from_a_short_log).collect();
@@ -137,7 +138,8 @@ fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
     assert!(tally.values().all(|[hits, all]| 10 * hits >= 9 * all), "[inside, identifiable]: {tally:?}");
 }
 
-/// Where the rotors settle, not where they start: a window that begins with a jump would explain the kick by its initial rate.
+/// Where the rotors settle, not where they start: a window that begins with a jump would explain the kick by
+/// its initial rate.
 #[test]
 fn windows_to_fit_begin_where_the_rotors_are_calm() {
     let mut rng = Draws::new(11).of_move(0);

@@ -1,8 +1,9 @@
 //! Logs cut into windows, each simulated from an initial state of its own.
 //!
-//! Over a whole run a small error in a constant grows into a large one in yaw, which nothing pulls back; over a window it stays in
-//! proportion. A window's initial angles and rates are not known, so they are estimated with the rest, and projected out
-//! ([`super::problem`]). The volts in effect are known from the volts sent: they follow exactly from the lag.
+//! Over a whole run a small error in a constant grows into a large one in yaw, which nothing pulls back; over
+//! a window it stays in proportion. A window's initial angles and rates are not known, so they are estimated
+//! with the rest, and projected out ([`super::problem`]). The volts in effect are known from the volts sent:
+//! they follow exactly from the lag.
 
 use super::smooth::{Smoothed, smooth};
 use crate::log::Log;
@@ -71,7 +72,8 @@ impl Run {
         Self { log, scale, moves, smoothed }
     }
 
-    /// Windows of `length` \[s\], one after the other; what is left at the end of a stretch counts if it is at least half as long.
+    /// Windows of `length` \[s\], one after the other; what is left at the end of a stretch counts if it is
+    /// at least half as long.
     pub fn windows(&self, run: usize, length: f64) -> Vec<Window> {
         let rows = rows(length, self.log.sample_time);
         let mut windows = Vec::new();
@@ -86,10 +88,12 @@ impl Run {
         windows
     }
 
-    /// Windows of about `length` \[s\] to fit constants to: all rows of a stretch, cut near every `length` where the rotors are calmest.
+    /// Windows of about `length` \[s\] to fit constants to: all rows of a stretch, cut near every `length`
+    /// where the rotors are calmest.
     ///
-    /// A window that begins as the volts jump explains the kick of the rotors by its initial rate, which is free, and so hides the
-    /// reaction torque from the fit. Cuts move by up to a quarter of a window, so windows are half to one and a half as long.
+    /// A window that begins as the volts jump explains the kick of the rotors by its initial rate, which is
+    /// free, and so hides the reaction torque from the fit. Cuts move by up to a quarter of a window, so
+    /// windows are half to one and a half as long.
     pub fn calm_windows(&self, run: usize, length: f64) -> Vec<Window> {
         let rows = rows(length, self.log.sample_time);
         let reach = rows / 4;
@@ -100,7 +104,8 @@ impl Run {
         let mut windows = Vec::new();
         for stretch in &self.log.stretches {
             let stretch_rows = stretch.len();
-            // Rounded to the nearest: what is left at the end belongs to the last window or is one of its own.
+            // Rounded to the nearest: what is left at the end belongs to the last window or is one of its
+            // own.
             let parts = ((2 * stretch_rows + rows) / (2 * rows)).max(usize::from(2 * stretch_rows >= rows));
             let mut first = stretch.start;
             for k in 1..=parts {
@@ -124,7 +129,8 @@ impl Run {
         windows
     }
 
-    /// \[V\] Summed over all rows before each: how far the volts sent are from those in effect, at a lag as these rigs have it.
+    /// \[V\] Summed over all rows before each: how far the volts sent are from those in effect, at a lag as
+    /// these rigs have it.
     fn unrest(&self) -> Vec<f64> {
         let keep = decay(self.log.sample_time, USUAL_LAG);
         let mut sum = 0.0;
@@ -142,7 +148,8 @@ impl Run {
         all
     }
 
-    /// Does anything happen in a window? Where the rig lies still with its motors off there is nothing to learn.
+    /// Does anything happen in a window? Where the rig lies still with its motors off there is nothing to
+    /// learn.
     pub fn is_alive(&self, window: &Window) -> bool {
         let rows = window.first..window.first + window.rows;
         let begin = self.log.angle[window.first];
@@ -157,7 +164,8 @@ impl Run {
         State { angle: PerAxis::new(pitch.angle, yaw.angle), rate: PerAxis::new(pitch.rate, yaw.rate) }
     }
 
-    /// \[V\] In effect where each window of this run begins. Where a stretch begins, the rotors are taken to have settled.
+    /// \[V\] In effect where each window of this run begins. Where a stretch begins, the rotors are taken to
+    /// have settled.
     pub fn rotor_volts(&self, windows: &[Window], lag: PerMotor<f64>) -> Vec<PerMotor<f64>> {
         let keep = lag.map(|tau| decay(self.log.sample_time, tau));
         let volts = &self.log.volts;
@@ -178,7 +186,8 @@ impl Run {
         found
     }
 
-    /// Simulates a window from `start` (true angles) with these volts in effect, and shows every `stride`-th row's true angles.
+    /// Simulates a window from `start` (true angles) with these volts in effect, and shows every `stride`-th
+    /// row's true angles.
     pub fn simulate(
         &self,
         window: &Window,

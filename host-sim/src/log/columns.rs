@@ -76,8 +76,8 @@ impl Default for Columns {
 }
 
 impl Columns {
-    /// From text such as `t=time:ms,pitch=-theta:deg,v0=u_main`: our name, `=`, minus for the other sign, the file's name, `:` and
-    /// a unit. What is not mentioned is called and scaled as we do.
+    /// From text such as `t=time:ms,pitch=-theta:deg,v0=u_main`: our name, `=`, minus for the other sign, the
+    /// file's name, `:` and a unit. What is not mentioned is called and scaled as we do.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut columns = Self::default();
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {

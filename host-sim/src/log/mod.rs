@@ -1,8 +1,9 @@
-//! Logs of real rigs: angles and volts over time, from a CSV file, checked for what such files usually have wrong.
+//! Logs of real rigs: angles and volts over time, from a CSV file, checked for what such files usually have
+//! wrong.
 //!
-//! A log has one row for each sample: time, both angles as measured, and the volts that were sent after reading them, held until
-//! the next row. What cannot be mended is refused in one line; what can (repeated rows, gaps) is mended and told in
-//! [`Log::notes`].
+//! A log has one row for each sample: time, both angles as measured, and the volts that were sent after
+//! reading them, held until the next row. What cannot be mended is refused in one line; what can (repeated
+//! rows, gaps) is mended and told in [`Log::notes`].
 
 mod columns;
 
@@ -109,7 +110,8 @@ impl Log {
         sum.finalize()
     }
 
-    /// Which axes move at all. One that does not is locked: its angle says nothing, and its body does not turn.
+    /// Which axes move at all. One that does not is locked: its angle says nothing, and its body does not
+    /// turn.
     pub fn moves(&self) -> PerAxis<bool> {
         let moves = |of: fn(&PerAxis<f64>) -> f64| {
             self.angle.iter().map(of).any(|a| (a - of(&self.angle[0])).abs() > 0.0)
@@ -274,7 +276,8 @@ fn check_motion(log: &mut Log, layout: &columns::Layout) -> Result<(), String> {
     Ok(())
 }
 
-/// Encoders of these rigs have 500 to 8192 counts a turn. Is every value a multiple of 360/N but not of 2π/N for some N there is?
+/// Encoders of these rigs have 500 to 8192 counts a turn. Is every value a multiple of 360/N but not of 2π/N
+/// for some N there is?
 fn looks_like_degrees(values: impl Iterator<Item = f64> + Clone) -> bool {
     const COUNTS: [f64; 6] = [2000.0, 2048.0, 2880.0, 4000.0, 4096.0, 8192.0];
     let first = values.clone().next().unwrap_or(0.0);

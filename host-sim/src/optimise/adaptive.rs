@@ -1,4 +1,5 @@
-//! `fpa-adaptive`: flower pollination with what comparing it with its peers teaches. Against the form of the paper's Fig. 4:
+//! `fpa-adaptive`: flower pollination with what comparing it with its peers teaches. Against the form of the
+//! paper's Fig. 4:
 //!
 //! | | paper | here |
 //! |---|---|---|

@@ -54,7 +54,8 @@ pub const ALGORITHMS: [(&str, Algorithm); 12] = [
 pub struct Setup {
     /// Which.
     pub algorithm: Algorithm,
-    /// Candidates a generation; `None` for what the method is usually run with. Methods without a population ignore it.
+    /// Candidates a generation; `None` for what the method is usually run with. Methods without a population
+    /// ignore it.
     pub population: Option<usize>,
     /// Evaluations in all, at least 1.
     pub evaluations: usize,

@@ -1,5 +1,5 @@
-//! CMA-ES (N. Hansen, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772, the numbers of its Table 1 without negative weights),
-//! with restarts of doubled population (A. Auger, N. Hansen, CEC 2005).
+//! CMA-ES (N. Hansen, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772, the numbers of its Table 1
+//! without negative weights), with restarts of doubled population (A. Auger, N. Hansen, CEC 2005).
 //!
 //! Bounds by reflection: the search runs in unbounded space, and a face of the cube mirrors it.
 

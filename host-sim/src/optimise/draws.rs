@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
-/// A seed, as a source of independent random streams: one for each move of a search. A move's draws are the same whatever costs came
-/// before it, however often it is planned anew, and after a restart.
+/// A seed, as a source of independent random streams: one for each move of a search. A move's draws are the
+/// same whatever costs came before it, however often it is planned anew, and after a restart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Draws {
     seed: u64,

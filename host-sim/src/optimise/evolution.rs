@@ -1,5 +1,5 @@
-//! Differential evolution (R. Storn, K. Price, J. Global Optim. 11, 1997) with SciPy's defaults: best/1/bin, CR = .7, F in .5..1,
-//! drawn anew for each child.
+//! Differential evolution (R. Storn, K. Price, J. Global Optim. 11, 1997) with SciPy's defaults: best/1/bin,
+//! CR = .7, F in .5..1, drawn anew for each child.
 
 use super::Candidate;
 use super::generations::{Method, Turn};

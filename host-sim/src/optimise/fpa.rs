@@ -1,5 +1,5 @@
-//! The Flower Pollination Algorithm (X.-S. Yang, "Flower pollination algorithm for global optimization", UCNC 2012), in the three
-//! forms that are called by this name:
+//! The Flower Pollination Algorithm (X.-S. Yang, "Flower pollination algorithm for global optimization", UCNC
+//! 2012), in the three forms that are called by this name:
 //!
 //! | | [`Variant::Paper`] | [`Variant::Yang`] | [`Variant::Demo`] |
 //! |---|---|---|---|
@@ -10,14 +10,16 @@
 //! | a flower is replaced | always | by a better one | by one that is not worse |
 //! | the best flower g* changes | at once | after a whole generation | at once |
 //!
-//! So the paper's "local pollination" searches around the *best* flower (differential evolution's best/1 without crossover), not
-//! around the flower itself, and its p makes the global move a rarity. Where the paper is silent we take: Lévy exponent 1.5 by
-//! Mantegna's method, one draw a dimension, coordinates outside the bounds moved to the bound, j and k two different flowers drawn
-//! from the whole population, uniform start.
+//! So the paper's "local pollination" searches around the *best* flower (differential evolution's best/1
+//! without crossover), not around the flower itself, and its p makes the global move a rarity. Where the
+//! paper is silent we take: Lévy exponent 1.5 by Mantegna's method, one draw a dimension, coordinates outside
+//! the bounds moved to the bound, j and k two different flowers drawn from the whole population, uniform
+//! start.
 //!
-//! Moves that change the best flower at once make the search sequential. To use many lanes and threads all the same, moves are
-//! planned ahead as if none of them improved anything; when one does, those behind it are thrown away and planned anew from the
-//! first that had looked at what changed. The outcome is exactly the sequential one.
+//! Moves that change the best flower at once make the search sequential. To use many lanes and threads all
+//! the same, moves are planned ahead as if none of them improved anything; when one does, those behind it are
+//! thrown away and planned anew from the first that had looked at what changed. The outcome is exactly the
+//! sequential one.
 
 use super::{Best, Bounds, Candidate, Draws, Optimiser, levy_step};
 use rand::{Rng, RngExt};
@@ -111,8 +113,9 @@ impl Changed {
     }
 }
 
-/// Least and most moves planned ahead: four groups of eight lanes, and what amortises handing them out. Doubled when a whole plan
-/// passed without an improvement, halved when one was cut short. Chosen by measurement; the outcome does not depend on it.
+/// Least and most moves planned ahead: four groups of eight lanes, and what amortises handing them out.
+/// Doubled when a whole plan passed without an improvement, halved when one was cut short. Chosen by
+/// measurement; the outcome does not depend on it.
 const WIDTH: [usize; 2] = [32, 256];
 
 impl FlowerPollination {
@@ -136,7 +139,8 @@ impl FlowerPollination {
         self.settings.population_size
     }
 
-    /// Does a plan reach beyond the present generation? In Yang's form a generation is built from the last one alone.
+    /// Does a plan reach beyond the present generation? In Yang's form a generation is built from the last
+    /// one alone.
     fn plan_length(&self) -> usize {
         let size = self.population();
         let left = self.budget() - self.done;
@@ -148,7 +152,8 @@ impl FlowerPollination {
         }
     }
 
-    /// A flower as it will be when the planned moves before `ahead` are made, if none of them improves anything.
+    /// A flower as it will be when the planned moves before `ahead` are made, if none of them improves
+    /// anything.
     fn flower<'a>(&'a self, index: usize, planned: &'a [Move]) -> &'a [f64] {
         if self.settings.variant == Variant::Paper {
             let latest = planned
@@ -170,7 +175,8 @@ impl FlowerPollination {
         Move { candidate, flowers: [number; 3], best: false }
     }
 
-    /// Move `number`, given those planned before it. Every move makes the same draws, whichever of them it uses.
+    /// Move `number`, given those planned before it. Every move makes the same draws, whichever of them it
+    /// uses.
     fn pollinated(&self, number: usize, planned: &[Move]) -> Move {
         let settings = &self.settings;
         let mut rng = self.draws.of_move(number);
@@ -209,8 +215,8 @@ impl FlowerPollination {
         Move { candidate: Candidate { position, bound }, flowers: [index, j, k], best: reads_best }
     }
 
-    /// Takes a move's outcome and notes what it changed that the plan did not foresee. In Yang's form a generation looks at the one
-    /// before it, so nothing within one goes stale.
+    /// Takes a move's outcome and notes what it changed that the plan did not foresee. In Yang's form a
+    /// generation looks at the one before it, so nothing within one goes stale.
     fn commit(&mut self, candidate: Candidate, cost: f64, changed: &mut Changed) {
         let (size, variant) = (self.population(), self.settings.variant);
         let initial = self.done < size;

@@ -1,8 +1,8 @@
 //! What all methods share that move a whole generation at once: the budget, the bounds, the best so far.
 //!
-//! Methods work in the unit cube, so that a coordinate's scale means nothing to them. They were written for this trait because none of
-//! the crates that have them (argmin, cmaes, metaheuristics-nature) can be asked and told, saved between two generations, and
-//! resumed to the same bytes.
+//! Methods work in the unit cube, so that a coordinate's scale means nothing to them. They were written for
+//! this trait because none of the crates that have them (argmin, cmaes, metaheuristics-nature) can be asked
+//! and told, saved between two generations, and resumed to the same bytes.
 
 use super::{
     AdaptiveFlowers, Best, Bounds, Candidate, CovarianceAdaptation, DifferentialEvolution, Draws, Genetic,

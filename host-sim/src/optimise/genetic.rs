@@ -1,4 +1,5 @@
-//! A genetic algorithm on real numbers: binary tournaments, simulated binary crossover, polynomial mutation, elitist selection.
+//! A genetic algorithm on real numbers: binary tournaments, simulated binary crossover, polynomial mutation,
+//! elitist selection.
 
 use super::Candidate;
 use super::generations::{Method, Turn, free, ranking};
@@ -55,8 +56,8 @@ const CROSSOVER: f64 = 0.9;
 const CROSSOVER_INDEX: f64 = 15.0;
 const MUTATION_INDEX: f64 = 20.0;
 
-/// One child by simulated binary crossover within the unit cube (K. Deb, R. B. Agrawal, Complex Systems 9, 1995; the bounded form of
-/// Deb's NSGA-II code).
+/// One child by simulated binary crossover within the unit cube (K. Deb, R. B. Agrawal, Complex Systems 9,
+/// 1995; the bounded form of Deb's NSGA-II code).
 pub(super) fn crossover(mother: &[f64], father: &[f64], rng: &mut impl Rng) -> Vec<f64> {
     let mixes = rng.random::<f64>() < CROSSOVER;
     let power = CROSSOVER_INDEX + 1.0;

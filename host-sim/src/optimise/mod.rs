@@ -1,8 +1,10 @@
-//! Minimising a cost over a box, by asking for costs and being told them. Nothing in here knows of helicopters.
+//! Minimising a cost over a box, by asking for costs and being told them. Nothing in here knows of
+//! helicopters.
 //!
-//! An [`Optimiser`] is a state machine: [`ask`](Optimiser::ask) gives candidates whose costs it wants, [`tell`](Optimiser::tell)
-//! takes them. Whoever drives it may compute the costs on as many threads and lanes as there are: the answers, and so the
-//! outcome, do not depend on that. Its whole state can be saved between two calls and read back.
+//! An [`Optimiser`] is a state machine: [`ask`](Optimiser::ask) gives candidates whose costs it wants,
+//! [`tell`](Optimiser::tell) takes them. Whoever drives it may compute the costs on as many threads and lanes
+//! as there are: the answers, and so the outcome, do not depend on that. Its whole state can be saved between
+//! two calls and read back.
 
 mod adaptive;
 mod algorithm;
@@ -118,8 +120,9 @@ pub trait Optimiser {
     fn budget(&self) -> usize;
 }
 
-/// Drives an optimiser to its end: `costs` gives the costs of candidates in their order, `seen` is shown every new best with the
-/// number of evaluations it took, and stops the search by returning false after any exchange.
+/// Drives an optimiser to its end: `costs` gives the costs of candidates in their order, `seen` is shown
+/// every new best with the number of evaluations it took, and stops the search by returning false after any
+/// exchange.
 pub fn run(
     optimiser: &mut dyn Optimiser,
     mut costs: impl FnMut(&[Candidate]) -> Vec<f64>,

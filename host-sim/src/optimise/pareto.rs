@@ -1,5 +1,5 @@
-//! NSGA-II (K. Deb, A. Pratap, S. Agarwal, T. Meyarivan, IEEE Trans. Evol. Comput. 6(2), 2002): the points that cannot be bettered in
-//! one objective without losing in another.
+//! NSGA-II (K. Deb, A. Pratap, S. Agarwal, T. Meyarivan, IEEE Trans. Evol. Comput. 6(2), 2002): the points
+//! that cannot be bettered in one objective without losing in another.
 
 use super::genetic::{crossover, mutate};
 use super::{Bounds, Draws};
@@ -20,9 +20,9 @@ pub fn dominates(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
 }
 
-/// Searches `bounds` for `generations` after the first with `size` points each. `costs` gives the objectives of each position, none
-/// NaN; `seen` is shown the evaluations so far and stops by returning false. The front that was found comes sorted by its first
-/// objective.
+/// Searches `bounds` for `generations` after the first with `size` points each. `costs` gives the objectives
+/// of each position, none NaN; `seen` is shown the evaluations so far and stops by returning false. The front
+/// that was found comes sorted by its first objective.
 pub fn pareto_front(
     bounds: &Bounds,
     draws: Draws,
@@ -68,7 +68,8 @@ fn parent<'a>(people: &'a [(usize, Compromise)], rng: &mut impl Rng) -> &'a [f64
     &people[a.min(b)].1.position
 }
 
-/// The best `size` with the number of their front, those first that are dominated least and then those with most room around them.
+/// The best `size` with the number of their front, those first that are dominated least and then those with
+/// most room around them.
 fn ranked(mut people: Vec<Compromise>, size: usize) -> Vec<(usize, Compromise)> {
     let mut kept: Vec<(usize, Compromise)> = Vec::new();
     let mut rank = 0;
@@ -109,7 +110,8 @@ fn crowding(front: &[Compromise]) -> Vec<f64> {
     room
 }
 
-/// The point of a front that is nearest to the best of every objective, each scaled to its range over the front.
+/// The point of a front that is nearest to the best of every objective, each scaled to its range over the
+/// front.
 pub fn knee(front: &[Compromise]) -> usize {
     let objectives = front.first().map_or(0, |p| p.costs.len());
     let range = |k: usize| {
@@ -129,7 +131,8 @@ pub fn knee(front: &[Compromise]) -> usize {
 mod tests {
     use super::*;
 
-    /// Schaffer's problem: x² and (x - 2)² are both smallest for some x in 0..2, and the front is √f1 + √f2 = 2.
+    /// Schaffer's problem: x² and (x - 2)² are both smallest for some x in 0..2, and the front is √f1 + √f2 =
+    /// 2.
     #[test]
     fn the_front_of_schaffers_problem_is_found_and_filled() {
         let bounds = Bounds::new(vec![[-20.0, 30.0]]).unwrap();

@@ -41,7 +41,8 @@ fn the_budget_is_kept_to_the_last_evaluation_and_every_candidate_lies_in_the_box
     }
 }
 
-/// 3,000 evaluations on a sphere whose optimum is nowhere special: what learns beats what does not by orders of magnitude.
+/// 3,000 evaluations on a sphere whose optimum is nowhere special: what learns beats what does not by orders
+/// of magnitude.
 #[test]
 fn every_method_finds_the_shifted_optimum_of_the_sphere() {
     let random = median(Algorithm::Random, 3000, sphere);
@@ -56,8 +57,8 @@ fn every_method_finds_the_shifted_optimum_of_the_sphere() {
     }
 }
 
-/// A method with a bias towards the centre or the origin does better when the optimum is there. Only the grey wolves have one, and it
-/// is the one that their formula says.
+/// A method with a bias towards the centre or the origin does better when the optimum is there. Only the grey
+/// wolves have one, and it is the one that their formula says.
 #[test]
 fn no_method_but_the_wolves_does_better_when_the_optimum_is_at_the_origin() {
     let centred: fn(&[f64]) -> f64 = |x| x.iter().map(|x| x * x).sum();

@@ -1,7 +1,7 @@
 //! One search after the other, each around the best point so far and within less.
 //!
-//! A search that contracts fast (the paper's FPA does, its population by .7 an iteration) gains more in a dozen dimensions from
-//! starting anew around what it found than from more iterations.
+//! A search that contracts fast (the paper's FPA does, its population by .7 an iteration) gains more in a
+//! dozen dimensions from starting anew around what it found than from more iterations.
 
 use super::{Best, Bounds, Candidate, Draws, Optimiser, Searcher, Setup};
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,6 @@
-//! The simplex method of J. A. Nelder and R. Mead (Computer J. 7, 1965) with coefficients adapted to the dimension (F. Gao, L. Han,
-//! Comput. Optim. Appl. 51, 2012), restarted from a random point when its simplex has collapsed.
+//! The simplex method of J. A. Nelder and R. Mead (Computer J. 7, 1965) with coefficients adapted to the
+//! dimension (F. Gao, L. Han, Comput. Optim. Appl. 51, 2012), restarted from a random point when its simplex
+//! has collapsed.
 
 use super::Candidate;
 use super::generations::{Method, Turn, free, ranking};

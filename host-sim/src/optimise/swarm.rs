@@ -1,5 +1,5 @@
-//! Particle swarm optimisation (J. Kennedy, R. Eberhart, 1995) with the constriction coefficients of M. Clerc and J. Kennedy, IEEE
-//! Trans. Evol. Comput. 6(1), 2002, every particle informed by the best of all.
+//! Particle swarm optimisation (J. Kennedy, R. Eberhart, 1995) with the constriction coefficients of M. Clerc
+//! and J. Kennedy, IEEE Trans. Evol. Comput. 6(1), 2002, every particle informed by the best of all.
 
 use super::Candidate;
 use super::generations::{Method, Turn};

@@ -55,7 +55,8 @@ fn finds_the_shifted_valley_of_rosenbrock() {
     }
 }
 
-/// Rastrigin's wells trap the paper's form, which contracts on its best flower: the three differ as their moves say they must.
+/// Rastrigin's wells trap the paper's form, which contracts on its best flower: the three differ as their
+/// moves say they must.
 #[test]
 fn on_rastrigin_the_wide_searching_forms_win() {
     let [paper, yang, demo] =

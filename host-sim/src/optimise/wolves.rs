@@ -1,7 +1,7 @@
 //! Grey Wolf Optimizer (S. Mirjalili, S. M. Mirjalili, A. Lewis, Adv. Eng. Softw. 69, 2014), as published.
 //!
-//! Its distance |C X - x|, with C uniform in 0..2, is taken from the origin of the coordinates: the method is drawn to zero. It is kept
-//! so, in the box's own coordinates; the tests move the optimum away.
+//! Its distance |C X - x|, with C uniform in 0..2, is taken from the origin of the coordinates: the method is
+//! drawn to zero. It is kept so, in the box's own coordinates; the tests move the optimum away.
 
 use super::Candidate;
 use super::generations::{Method, Turn, free, ranking};

@@ -1,5 +1,5 @@
-//! Methods of search side by side: the same problem, bounds and budget, many seeds, and statistics that say what the difference is
-//! worth.
+//! Methods of search side by side: the same problem, bounds and budget, many seeds, and statistics that say
+//! what the difference is worth.
 
 mod ranks;
 
@@ -48,8 +48,8 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Searches `problem` once for each of `seeds`, side by side. `seen` is shown how many evaluations were added, and stops everything
-    /// by returning false.
+    /// Searches `problem` once for each of `seeds`, side by side. `seen` is shown how many evaluations were
+    /// added, and stops everything by returning false.
     pub fn search(
         name: &str,
         setup: &Setup,
@@ -125,11 +125,13 @@ pub struct Standing {
     pub best: f64,
     /// The highest.
     pub worst: f64,
-    /// Median evaluations to within 1 % of the best cost known; none if fewer than half of the seeds got there.
+    /// Median evaluations to within 1 % of the best cost known; none if fewer than half of the seeds got
+    /// there.
     pub evaluations_to_1_percent: Option<f64>,
     /// The same to within .1 %.
     pub evaluations_to_01_percent: Option<f64>,
-    /// That its costs and the first method's differ by chance (rank sum, two-sided, Holm's correction); none for the first.
+    /// That its costs and the first method's differ by chance (rank sum, two-sided, Holm's correction); none
+    /// for the first.
     pub p_value: Option<f64>,
 }
 

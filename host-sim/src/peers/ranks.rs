@@ -1,7 +1,7 @@
 //! Tests on ranks.
 
-/// Wilcoxon's rank-sum test (Mann and Whitney's U) of two independent samples: the two-sided p-value by the normal approximation with
-/// ties and continuity corrected, good from about eight of each on.
+/// Wilcoxon's rank-sum test (Mann and Whitney's U) of two independent samples: the two-sided p-value by the
+/// normal approximation with ties and continuity corrected, good from about eight of each on.
 pub fn rank_sum(a: &[f64], b: &[f64]) -> f64 {
     let mut all: Vec<(f64, bool)> =
         a.iter().map(|x| (*x, true)).chain(b.iter().map(|x| (*x, false))).collect();
@@ -24,8 +24,8 @@ pub fn rank_sum(a: &[f64], b: &[f64]) -> f64 {
     libm::erfc(z / core::f64::consts::SQRT_2)
 }
 
-/// Holm's step-down correction: p-values such that rejecting those below a level keeps the chance of any false one below it
-/// (S. Holm, Scand. J. Statist. 6, 1979).
+/// Holm's step-down correction: p-values such that rejecting those below a level keeps the chance of any
+/// false one below it (S. Holm, Scand. J. Statist. 6, 1979).
 pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));

@@ -82,7 +82,8 @@ pub enum Layout {
     Narrow,
 }
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart: blue, vermilion, green, purple, orange, sky, grey.
+/// Okabe and Ito's colours, which the colour-blind can tell apart: blue, vermilion, green, purple, orange,
+/// sky, grey.
 pub const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

@@ -1,8 +1,9 @@
 //! A log through the firmware's own estimator and law: what would they have made of it?
 //!
-//! The log becomes a board's ticks: volts are held from row to row, and between rows an encoder counts evenly. Each tick goes through the
-//! core's [`Replay`], here or on a board; the estimator's rates are compared with those of a smoother that sees the future as
-//! well; the law is asked what it wants at each estimate, but has no say: its integrator runs on errors that it does not control.
+//! The log becomes a board's ticks: volts are held from row to row, and between rows an encoder counts
+//! evenly. Each tick goes through the core's [`Replay`], here or on a board; the estimator's rates are
+//! compared with those of a smoother that sees the future as well; the law is asked what it wants at each
+//! estimate, but has no say: its integrator runs on errors that it does not control.
 
 use crate::identify::smooth::smooth;
 use crate::log::Log;
@@ -17,8 +18,9 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replay, Replayed, Sample};
 
-/// \[s\] Reach, to either side, of the cubics that the true rates are taken from: with which they are nearest to rates that are
-/// known, on simulated runs of an Aero (a test). Pitch has half as many counts a turn as yaw, and so takes a longer one.
+/// \[s\] Reach, to either side, of the cubics that the true rates are taken from: with which they are nearest
+/// to rates that are known, on simulated runs of an Aero (a test). Pitch has half as many counts a turn as
+/// yaw, and so takes a longer one.
 pub const SMOOTHER_REACH: PerAxis<f64> = PerAxis { pitch: 0.15, yaw: 0.12 };
 /// Part of an axis' fastest rate below which it is no longer on its way.
 const SLOW: f64 = 0.05;
@@ -75,8 +77,8 @@ pub struct PerMotorReport {
     pub tail: f64,
 }
 
-/// The longest stretch of a log without gaps as the ticks of a board at `rig`. What was wanted is as it was recorded, or as a
-/// scenario has it.
+/// The longest stretch of a log without gaps as the ticks of a board at `rig`. What was wanted is as it was
+/// recorded, or as a scenario has it.
 pub fn samples(log: &Log, rig: &Rig, scenario: Option<&Scenario>) -> Vec<Sample> {
     let rows = longest(log);
     let per_count: PerAxis<f64> = rig.encoder_counts.map(angle_per_count);

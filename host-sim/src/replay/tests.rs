@@ -48,8 +48,8 @@ fn the_smoothed_rates_are_the_true_ones() {
     );
 }
 
-/// A twentieth less squared error than with half the reach or with twice, on steps that a board's controller flies: where the true rates
-/// are known, and as a log would have them.
+/// A twentieth less squared error than with half the reach or with twice, on steps that a board's controller
+/// flies: where the true rates are known, and as a log would have them.
 #[test]
 fn no_other_reach_comes_nearer_to_rates_that_are_known() {
     use crate::flight::{Fidelity, Plan, Scalar, fly};
@@ -126,8 +126,8 @@ fn a_flight_of_our_law_replayed_asks_for_its_own_volts() {
     }
 }
 
-/// Whatever the log's rate, the ticks are a board's: one every millisecond from its first row to its last, volts held,
-/// angles between those of the rows beside.
+/// Whatever the log's rate, the ticks are a board's: one every millisecond from its first row to its last,
+/// volts held, angles between those of the rows beside.
 #[test]
 fn a_log_of_any_rate_becomes_a_tick_every_millisecond() {
     for (step, rows, ticks) in

@@ -63,8 +63,9 @@ fn lyapunov_function(flown: &Flight, gains: &Gains<f64>) -> Vec<f64> {
     flown.rows.iter().map(of).collect()
 }
 
-/// Of the ticks with a motor at its limit: how many there are, in how many the function rises, and in how many it falls slower than
-/// eq. (24) with the control law says, Ṁ = -μ1 ξ1² - μ2 ξ2² ≤ -2 min(μ) M on each axis.
+/// Of the ticks with a motor at its limit: how many there are, in how many the function rises, and in how
+/// many it falls slower than eq. (24) with the control law says, Ṁ = -μ1 ξ1² - μ2 ξ2² ≤ -2 min(μ) M on each
+/// axis.
 fn clamped(file: &GainsFile) -> Outcome<[usize; 3]> {
     let flown = fly(&PAPER, file, "step", 1)?;
     let gains = file.gains().unwrap_or(gains::PAPER);

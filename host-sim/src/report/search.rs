@@ -61,7 +61,8 @@ pub(super) fn searches(size: Size, seed: u64) -> Outcome<Searches> {
     Ok(Searches { peers, best_known, paper, tuned: [a?, b?, c?], size })
 }
 
-/// Table 1 calls GA, PSO and GWO costly and the proposed method better; here they are, on the paper's own problem.
+/// Table 1 calls GA, PSO and GWO costly and the proposed method better; here they are, on the paper's own
+/// problem.
 pub(super) fn table_1(searches: &Searches) -> Section {
     let Searches { peers, best_known, size, .. } = searches;
     let standings = standings(peers, *best_known);

@@ -1,4 +1,5 @@
-//! The controllers there are to choose from and to compare with, each designed for a rig by its own rules. Tuning starts from these.
+//! The controllers there are to choose from and to compare with, each designed for a rig by its own rules.
+//! Tuning starts from these.
 //!
 //! | name | design |
 //! |---|---|

@@ -49,7 +49,8 @@ pub struct Row {
     pub voltage_variation: f64,
     /// \[s\] Median.
     pub saturation_time: f64,
-    /// That its costs and ours differ as they do by chance (Wilcoxon, two-sided, paired by plant); none for ours.
+    /// That its costs and ours differ as they do by chance (Wilcoxon, two-sided, paired by plant); none for
+    /// ours.
     pub p_value: Option<f64>,
     /// What it has beyond its law.
     pub uses: Vec<&'static str>,
@@ -86,8 +87,8 @@ impl Row {
     }
 }
 
-/// Wilcoxon's signed-rank test of paired differences: the two-sided p-value by the normal approximation with ties corrected and
-/// zeros left out, good from about twenty pairs on.
+/// Wilcoxon's signed-rank test of paired differences: the two-sided p-value by the normal approximation with
+/// ties corrected and zeros left out, good from about twenty pairs on.
 pub fn signed_rank(differences: &[f64]) -> f64 {
     let mut d: Vec<f64> = differences.iter().copied().filter(|x| *x != 0.0).collect();
     d.sort_by(|a, b| a.abs().total_cmp(&b.abs()));

@@ -6,7 +6,8 @@ use twinrotor::axes::PerAxis;
 /// One flight in numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Score {
-    /// \[s\] Last time the error was outside 2 % of the step before the disturbance; the disturbance time if it still was then.
+    /// \[s\] Last time the error was outside 2 % of the step before the disturbance; the disturbance time if
+    /// it still was then.
     pub settling_time: PerAxis<f64>,
     /// \[%\] Of the step, before the disturbance.
     pub overshoot_percent: PerAxis<f64>,

@@ -128,7 +128,8 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
     for tick in 0..when.end {
         let disturbed = tick >= when.disturbance;
         let push = if disturbed { disturbance } else { PerMotor::zero() };
-        // Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators and allocations.
+        // Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators
+        // and allocations.
         let happened = black_box(&mut closed_loop).tick(&reference, push);
         let error = happened.error();
         let square = error.map(|e| e * e);
@@ -233,7 +234,8 @@ mod tests {
         }
     }
 
-    /// In every lane, with every instruction set, the drawn plant flies, bit for bit, as it does with the board's own control loop.
+    /// In every lane, with every instruction set, the drawn plant flies, bit for bit, as it does with the
+    /// board's own control loop.
     #[test]
     fn a_lane_is_the_boards_flight() {
         for (name, rig) in

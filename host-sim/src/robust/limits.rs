@@ -1,4 +1,5 @@
-//! Limits that a tuned controller must keep besides costing little: no more overshoot than this, no later than that.
+//! Limits that a tuned controller must keep besides costing little: no more overshoot than this, no later
+//! than that.
 
 use super::Row;
 use crate::error::{Failure, Outcome, at_least, known_name};

@@ -1,12 +1,14 @@
-//! The robust objective: how a controller does on many plants that are not the one it believes in, in the rig's world.
+//! The robust objective: how a controller does on many plants that are not the one it believes in, in the
+//! rig's world.
 //!
-//! The step is 15° of pitch and 40° of yaw from rest at zero with the rotors at rest; at T_d a constant disturbance sets in, and the
-//! flight lasts 2 T_d. For each plant
+//! The step is 15° of pitch and 40° of yaw from rest at zero with the rotors at rest; at T_d a constant
+//! disturbance sets in, and the flight lasts 2 T_d. For each plant
 //!
-//! c = ts_pitch + ts_yaw + .05 (overshoot, both) + (RMS error after T_d, both) + .5 (RMS error in the last second before T_d, both)
-//! + .001 (voltage variation in that second) + .5 (time in saturation)
+//! c = ts_pitch + ts_yaw + .05 (overshoot, both) + (RMS error after T_d, both) + .5 (RMS error in the last
+//! second before T_d, both) + .001 (voltage variation in that second) + .5 (time in saturation)
 //!
-//! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which plants there are.
+//! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which
+//! plants there are.
 
 mod catalogue;
 mod comparison;
@@ -66,7 +68,8 @@ impl Trial {
         self.plants.par_chunks(LANES).flat_map_iter(|group| self.fly(&settings, group)).collect()
     }
 
-    /// As [`Trial::scores`], or `None` as soon as J is sure not to be below `bound`; and how many plants were flown.
+    /// As [`Trial::scores`], or `None` as soon as J is sure not to be below `bound`; and how many plants were
+    /// flown.
     ///
     /// The plants still to be flown cost nothing less than nothing, and J falls with none of its costs.
     pub fn scores_below(

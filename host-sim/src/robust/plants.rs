@@ -1,4 +1,5 @@
-//! The plants that a controller must be robust against: drawn around a preset, each with its own disturbance and encoder phase.
+//! The plants that a controller must be robust against: drawn around a preset, each with its own disturbance
+//! and encoder phase.
 
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
@@ -18,7 +19,8 @@ pub struct Draw {
     pub encoder_phase: PerAxis<f64>,
 }
 
-/// Spread of the body's constants and thrust gains: uniform, each on its own, within this part of the preset's.
+/// Spread of the body's constants and thrust gains: uniform, each on its own, within this part of the
+/// preset's.
 pub const SPREAD: f64 = 0.3;
 /// Spread of each rotor's lag.
 pub const LAG_SPREAD: f64 = 0.7;
@@ -27,8 +29,9 @@ pub const DISTURBANCE: f64 = 2.0;
 
 /// `count` plants around `rig`. The same seed gives the same plants, and the first of many are those of few.
 ///
-/// L, both inertias, both dampings, K_sp and the four thrust gains (linear and quadratic part by one factor) are uniform within
-/// ±30 %, lags within ±70 %, disturbances within ±2 V. Mass, gravity, friction and reaction torque are the preset's.
+/// L, both inertias, both dampings, K_sp and the four thrust gains (linear and quadratic part by one factor)
+/// are uniform within ±30 %, lags within ±70 %, disturbances within ±2 V. Mass, gravity, friction and
+/// reaction torque are the preset's.
 pub fn draw(rig: &Rig, count: usize, seed: u64) -> Vec<Draw> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     // Another stream than scenario disturbances and encoder phases of the same seed.
@@ -62,8 +65,8 @@ fn one(nominal: &PlantParameters<f64>, rng: &mut impl Rng) -> Draw {
     Draw { plant, disturbance, encoder_phase }
 }
 
-/// \[s\] T_d: how long a rig has for the step, which is when the disturbance comes. Slower machines get more; one of your own gets
-/// fifty times its longer rotor lag, rounded up, and at least 4 s.
+/// \[s\] T_d: how long a rig has for the step, which is when the disturbance comes. Slower machines get more;
+/// one of your own gets fifty times its longer rotor lag, rounded up, and at least 4 s.
 pub fn allowance(name: &str, rig: &Rig) -> f64 {
     let known = [("paper", 4), ("paper-fixed", 4), ("aero", 5), ("aero-lab", 5), ("aero2", 8), ("heli", 6)];
     debug_assert!(presets::ALL.iter().all(|(preset, _)| known.iter().any(|(k, _)| k == preset)));

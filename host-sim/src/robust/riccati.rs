@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, Matrix3, RowVector3, Vector3};
 use twinrotor::estimator::ObserverGains;
 
-/// The stabilising solution P of AᵀP + PA - P B R⁻¹ Bᵀ P + Q = 0, by the matrix sign function of the Hamiltonian (J. D. Roberts,
-/// Int. J. Control 32, 1980), and the gain R⁻¹ Bᵀ P. `None` if there is none, or if the equation is not met to 1e-9 of its terms.
+/// The stabilising solution P of AᵀP + PA - P B R⁻¹ Bᵀ P + Q = 0, by the matrix sign function of the
+/// Hamiltonian (J. D. Roberts, Int. J. Control 32, 1980), and the gain R⁻¹ Bᵀ P. `None` if there is none, or
+/// if the equation is not met to 1e-9 of its terms.
 pub fn lqr(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
     let r_inverse = r.clone().try_inverse()?;
@@ -41,9 +42,9 @@ pub fn lqr(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64
     (residual <= 1e-9 * scale).then(|| r_inverse * b.transpose() * p)
 }
 
-/// Stationary Kalman gains of one axis for [`Observer`](twinrotor::estimator::Observer): an encoder whose rounding is taken for white
-/// noise of variance count²/12, a disturbance that walks at random by `walk` [rad/s² per √s], and a torque noise of `jitter`
-/// [rad/s² per √Hz]; `count` \[rad\], `sample_time` \[s\].
+/// Stationary Kalman gains of one axis for [`Observer`](twinrotor::estimator::Observer): an encoder whose
+/// rounding is taken for white noise of variance count²/12, a disturbance that walks at random by `walk`
+/// [rad/s² per √s], and a torque noise of `jitter` [rad/s² per √Hz]; `count` \[rad\], `sample_time` \[s\].
 ///
 /// With no walk the disturbance stays at zero, and what is left is a Luenberger observer.
 pub fn kalman(count: f64, walk: f64, jitter: f64, sample_time: f64) -> Option<ObserverGains<f64>> {
@@ -95,8 +96,8 @@ mod tests {
         assert!(lqr(&a, &b, &DMatrix::identity(2, 2), &DMatrix::identity(1, 1)).is_none());
     }
 
-    /// Without jitter, the stationary filter of a random walk in acceleration has its poles on Butterworth's circle of third order:
-    /// l₁ ≈ 2 ωT, l₂ ≈ 2 ω² T, l₃ ≈ ω³ T for ω³ = walk/noise density.
+    /// Without jitter, the stationary filter of a random walk in acceleration has its poles on Butterworth's
+    /// circle of third order: l₁ ≈ 2 ωT, l₂ ≈ 2 ω² T, l₃ ≈ ω³ T for ω³ = walk/noise density.
     #[test]
     fn a_random_walk_gives_butterworths_poles() {
         let (count, t, w) = (core::f64::consts::TAU / 2880.0, 1e-3_f64, 40.0_f64);

@@ -46,7 +46,8 @@ fn a_recorded_flight_leads_to_a_preset() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--port no-such-port cannot be opened"));
 }
 
-/// From a short flight to the suggested one, and with both logs the constant that was known worst is known better.
+/// From a short flight to the suggested one, and with both logs the constant that was known worst is known
+/// better.
 #[test]
 fn a_suggested_flight_narrows_what_was_known_worst() {
     let folder = tempfile::tempdir().unwrap();

@@ -240,7 +240,8 @@ fn a_front_comes_with_the_gains_of_every_point() {
     assert!(fs::read_to_string(folder.path().join("front/front.svg")).unwrap().contains("chosen"));
 }
 
-/// The report is whole: a page that shows every section, a number for every figure's points, the same bytes from the same seed.
+/// The report is whole: a page that shows every section, a number for every figure's points, the same bytes
+/// from the same seed.
 #[test]
 fn the_paper_is_reproduced_as_a_page_and_its_numbers() {
     let folder = tempfile::tempdir().unwrap();

@@ -67,8 +67,9 @@ impl Outputs {
         })
     }
 
-    /// What the compare values ask of each motor, in steps from zero: the duty, but for the dead time that takes a pulse
-    /// off the bridge near either end. Zero where the duty is, with the amplifiers or the PWM off.
+    /// What the compare values ask of each motor, in steps from zero: the duty, but for the dead time that
+    /// takes a pulse off the bridge near either end. Zero where the duty is, with the amplifiers or the PWM
+    /// off.
     pub fn steps(&self) -> [i64; 2] {
         [0, 1].map(|motor| {
             let driven = self.enabled && !self.legs[motor].contains(&Drive::Released);
@@ -108,8 +109,9 @@ pub struct Board {
 impl Store for Board {}
 
 impl Board {
-    /// A board out of power-on; `seed` decides what chance decides. Without `protects_memory` the core's memory protection
-    /// unit takes no effect, which a firmware that never violates it cannot tell, and the emulator runs twice as fast.
+    /// A board out of power-on; `seed` decides what chance decides. Without `protects_memory` the core's
+    /// memory protection unit takes no effect, which a firmware that never violates it cannot tell, and the
+    /// emulator runs twice as fast.
     ///
     /// # Errors
     ///
@@ -262,9 +264,10 @@ impl Described for Board {
     }
 }
 
-/// The part as the emulator sees it. What firmware does to a pin's function connects or disconnects it at the end of the
-/// millisecond, when the inputs are applied again; looking at every stop would cost more than all the rest. But the serial line
-/// is connected in the middle of a millisecond: what is said before would be lost.
+/// The part as the emulator sees it. What firmware does to a pin's function connects or disconnects it at the
+/// end of the millisecond, when the inputs are applied again; looking at every stop would cost more than all
+/// the rest. But the serial line is connected in the middle of a millisecond: what is said before would be
+/// lost.
 impl Mcu for Board {
     fn bus(&self) -> &rigless::soc::Bus {
         self.chip.bus()

@@ -1,5 +1,5 @@
-//! What the firmware takes of the part: bytes, instructions, stack; compared with the table that is kept by compiler, so
-//! that it is seen when they grow.
+//! What the firmware takes of the part: bytes, instructions, stack; compared with the table that is kept by
+//! compiler, so that it is seen when they grow.
 
 use std::fmt;
 use std::ops::Range;
@@ -31,8 +31,8 @@ pub struct InFlight {
 }
 
 impl InFlight {
-    /// Measures the firmware that flies at `station`, by two seconds of it; then disarms and arms it until its longest
-    /// tick must have come, which is one that arms.
+    /// Measures the firmware that flies at `station`, by two seconds of it; then disarms and arms it until
+    /// its longest tick must have come, which is one that arms.
     ///
     /// # Panics
     ///
@@ -44,7 +44,8 @@ impl InFlight {
         let (_, executed) = station.machine.now();
         station.run(MILLISECONDS);
         let (_, all) = station.machine.now();
-        // Some work is done every fourth tick, some every fifth: all of it comes together once in 20 times 21 ticks.
+        // Some work is done every fourth tick, some every fifth: all of it comes together once in 20 times 21
+        // ticks.
         for _ in 0..20 {
             station.request(Request::Disarm);
             station.run(10);
@@ -127,7 +128,8 @@ impl Figures {
         }
     }
 
-    /// Whether no figure has grown by more than [`GROWTH_PERCENT`] over that kept for the firmware's compiler.
+    /// Whether no figure has grown by more than [`GROWTH_PERCENT`] over that kept for the firmware's
+    /// compiler.
     ///
     /// # Errors
     ///

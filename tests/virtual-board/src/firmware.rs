@@ -207,8 +207,8 @@ impl Firmware {
         instructions
     }
 
-    /// The instructions of the function that begins at `start`, and what each does to the flow of control. Literals
-    /// between them are taken for instructions as well, at addresses where the core never arrives.
+    /// The instructions of the function that begins at `start`, and what each does to the flow of control.
+    /// Literals between them are taken for instructions as well, at addresses where the core never arrives.
     fn instructions(&self, start: u64) -> Vec<(u64, Flow)> {
         let end = self.function_at(start).map_or(start, |(start, _, size)| start + size);
         let (mut at, mut found) = (start, Vec::new());

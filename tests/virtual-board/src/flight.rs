@@ -14,7 +14,7 @@ use twinrotor::pipeline::Decision;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{Condition, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
 
 use crate::helicopter::Helicopter;
@@ -32,8 +32,8 @@ const PATIENCE: u64 = 400_000;
 /// \[ms\] To rise from where the rig rests and to hold still before the scenario begins.
 const RISE: u64 = 8_000;
 
-/// From switched on to hovering level: zeroes, checks the wiring if that has not been done, arms, waits. `told` hears of every
-/// change of state.
+/// From switched on to hovering level: zeroes, checks the wiring if that has not been done, arms, waits.
+/// `told` hears of every change of state.
 ///
 /// # Errors
 ///
@@ -82,8 +82,8 @@ fn wait(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame))
     Ok(())
 }
 
-/// Flies a scenario on a board that hovers level. Its telemetry becomes the flight: what the board believed, not what the
-/// simulated rig knew.
+/// Flies a scenario on a board that hovers level. Its telemetry becomes the flight: what the board believed,
+/// not what the simulated rig knew.
 ///
 /// # Errors
 ///

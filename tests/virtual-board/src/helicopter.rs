@@ -90,8 +90,8 @@ impl Helicopter {
         self.supply = measured(supply);
     }
 
-    /// \[V\] The supply as the board measures it, which is what the amplifiers get: so that board and host compute the
-    /// same volts.
+    /// \[V\] The supply as the board measures it, which is what the amplifiers get: so that board and host
+    /// compute the same volts.
     pub fn measured_supply(&self) -> f32 {
         self.supply
     }
@@ -102,7 +102,8 @@ impl Helicopter {
         self.inputs.amplifier_fault = amplifier_fault;
     }
 
-    /// Something is under it that bears its weight in its rest pose, or is taken away. A rig that rests nose down always has its stop.
+    /// Something is under it that bears its weight in its rest pose, or is taken away. A rig that rests nose
+    /// down always has its stop.
     pub fn stand(&mut self, stands: bool) {
         self.stands = stands;
     }

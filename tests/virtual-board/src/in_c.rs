@@ -28,7 +28,8 @@ pub struct InC {
 pub const SAME_BITS: [&str; 2] = ["-O2 -ffp-contract=off", "-O3 -ffp-contract=off"];
 /// Options with which it fuses multiplications into additions: fewer instructions, and other bits.
 pub const FUSED: [&str; 2] = ["-O2", "-O3"];
-/// [instructions] What it took with either of [`SAME_BITS`] and version 12.2.1, for where there is no such compiler.
+/// [instructions] What it took with either of [`SAME_BITS`] and version 12.2.1, for where there is no such
+/// compiler.
 pub const KEPT: u64 = 141;
 
 /// The compiler's name and version, or `None` where there is none.

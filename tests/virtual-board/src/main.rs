@@ -1,5 +1,5 @@
-//! Runs the released firmware on the virtual board, for people: switches it on, zeroes, checks the wiring, arms, flies a
-//! scenario, and shows what its telemetry said.
+//! Runs the released firmware on the virtual board, for people: switches it on, zeroes, checks the wiring,
+//! arms, flies a scenario, and shows what its telemetry said.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -38,7 +38,8 @@ struct Args {
     /// The amplifiers are connected for a firmware with the feature `sign-magnitude`
     #[arg(long)]
     sign_magnitude: bool,
-    /// What is in the board's flash: 'paper' (Table 4), a gains file, or an image that `host-sim flash --image` made
+    /// What is in the board's flash: 'paper' (Table 4), a gains file, or an image that `host-sim flash
+    /// --image` made
     #[arg(long, default_value = "paper", value_name = "paper|FILE.toml|FILE.bin")]
     gains: String,
     /// The helicopter: a preset or a FILE.toml of your own
@@ -47,7 +48,8 @@ struct Args {
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own [default: step]
     #[arg(long)]
     scenario: Option<String>,
-    /// Fly nothing: put this log through the board's own estimator and law, and compare with the host's, to the bit
+    /// Fly nothing: put this log through the board's own estimator and law, and compare with the host's, to
+    /// the bit
     #[arg(long, value_name = "LOG.csv", conflicts_with_all = ["plot", "json"])]
     replay: Option<PathBuf>,
     /// Other names, signs and units of the log's columns, as `host-sim replay` has them
@@ -88,7 +90,8 @@ struct Document<'a> {
     idle_percent: f64,
     stack_used: u32,
     stack_size: u32,
-    /// How many times as fast as a clock: the flight, and all since power-on, which first translates the firmware.
+    /// How many times as fast as a clock: the flight, and all since power-on, which first translates the
+    /// firmware.
     speed: f64,
     speed_since_power_on: f64,
     #[serde(flatten)]

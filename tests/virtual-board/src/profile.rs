@@ -1,5 +1,5 @@
-//! Where a tick's instructions go: some ticks followed instruction by instruction, each instruction told by the source it
-//! was compiled from, inlined or not.
+//! Where a tick's instructions go: some ticks followed instruction by instruction, each instruction told by
+//! the source it was compiled from, inlined or not.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,8 @@ use crate::station::Station;
 
 type Reader<'a> = EndianSlice<'a, LittleEndian>;
 
-/// The steps of a tick in their order, and the functions that each begins with. The last one takes what no other has.
+/// The steps of a tick in their order, and the functions that each begins with. The last one takes what no
+/// other has.
 pub const STEPS: [(&str, &[&str]); 10] = [
     ("encoders", &["ControlLoop::read_encoders"]),
     ("estimator", &["Pipeline::believe"]),
@@ -39,13 +40,15 @@ pub const STEPS: [(&str, &[&str]); 10] = [
 /// Instructions of one tick, step by step as in [`STEPS`].
 pub type Spent = [u64; STEPS.len()];
 
-/// The table of steps: for each compiler and step, the instructions with the paper's law and with the built-in controller.
+/// The table of steps: for each compiler and step, the instructions with the paper's law and with the
+/// built-in controller.
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/steps.csv");
 const COLUMNS: &str = "compiler,step,paper,rig";
 /// \[instructions\] A step of a few may grow by as many.
 const A_FEW: u64 = 5;
 
-/// Whether no step has grown by more than [`GROWTH_PERCENT`] over the table, with the paper's law and with the built-in controller.
+/// Whether no step has grown by more than [`GROWTH_PERCENT`] over the table, with the paper's law and with
+/// the built-in controller.
 ///
 /// # Errors
 ///
@@ -100,8 +103,8 @@ impl<'a> Source<'a> {
         Ok(Self { context })
     }
 
-    /// The functions that `address` was compiled from, the innermost first, each as `Type::function`, with the line in
-    /// it.
+    /// The functions that `address` was compiled from, the innermost first, each as `Type::function`, with
+    /// the line in it.
     pub fn frames(&self, address: u64) -> Vec<(String, u32)> {
         let mut found = Vec::new();
         let Ok(mut frames) = self.context.find_frames(address).skip_all_loads() else {
@@ -126,7 +129,8 @@ impl<'a> Source<'a> {
 fn short(name: &str) -> String {
     let mut depth = 0_u32;
     let mut plain = String::new();
-    // `<path::Type<f32> as Trait>::function` is `Type::function`, so of a bracket that begins a name the inside stays.
+    // `<path::Type<f32> as Trait>::function` is `Type::function`, so of a bracket that begins a name the
+    // inside stays.
     let name = name.strip_prefix('<').map_or(name.to_owned(), |rest| {
         let end = matching(rest);
         let (inside, after) = rest.split_at(end);

@@ -8,7 +8,7 @@ use twinrotor::link::{self, Decoder, Health, Identity, MAX_FRAME, Refusal, ToBoa
 use twinrotor::parameters::Parameters;
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replayed, Sample};
-use twinrotor::supervisor::{Condition, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
 
 use crate::machine::{Failure, Machine};
@@ -130,7 +130,8 @@ impl Station {
         Ok(())
     }
 
-    /// Lets the board run until what it said so far is what was waited for, at most so long. Answers whether it came.
+    /// Lets the board run until what it said so far is what was waited for, at most so long. Answers whether
+    /// it came.
     ///
     /// # Panics
     ///

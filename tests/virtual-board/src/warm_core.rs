@@ -1,8 +1,9 @@
 //! The emulator's core, kept warm: what it translated of the firmware outlasts a reset.
 //!
-//! The emulator drops every translation at a reset, and to translate the firmware anew takes longer than to run it from
-//! power-on to a save; thousands of power cuts would take an hour. But a core that is given back the state it was built
-//! with is a core after a reset, and keeps what it knows of the code, as the emulator does for its own snapshots.
+//! The emulator drops every translation at a reset, and to translate the firmware anew takes longer than to
+//! run it from power-on to a save; thousands of power cuts would take an hour. But a core that is given back
+//! the state it was built with is a core after a reset, and keeps what it knows of the code, as the emulator
+//! does for its own snapshots.
 
 use rigless::emulator::{BitAlias, CoreBus, DataModel, Error, Exit, HaltReason, HostCall, Processor, Queued};
 use rigless::soc::{Endian, Width};
@@ -72,7 +73,8 @@ impl Processor for WarmCore {
 
     #[expect(unsafe_code, reason = "handed on as it came")]
     unsafe fn map(&mut self, start: u64, length: u64, host: *mut u8, writable: bool) {
-        // SAFETY: the caller's promise, to the core that it is meant for, which this owns and drops with itself.
+        // SAFETY: the caller's promise, to the core that it is meant for, which this owns and drops with
+        // itself.
         unsafe { self.core.map(start, length, host, writable) }
     }
 

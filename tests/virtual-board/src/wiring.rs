@@ -39,8 +39,8 @@ pub const YAW_ENCODER: Encoder = Encoder { timer: 2, pins: [alternate(C, 6, 2), 
 
 /// The timer that drives the amplifiers: TIM1.
 pub const PWM_TIMER: usize = 0;
-/// What drives one input of a motor's bridge: a channel of that timer (0 is 1), its output or the complementary one, and
-/// the pin.
+/// What drives one input of a motor's bridge: a channel of that timer (0 is 1), its output or the
+/// complementary one, and the pin.
 #[derive(Debug, Clone, Copy)]
 pub struct Leg {
     pub channel: usize,
@@ -63,7 +63,8 @@ pub enum Amplifiers {
 }
 
 impl Amplifiers {
-    /// The forward and the backward leg of the main and the tail motor's bridge. The motor is between the two.
+    /// The forward and the backward leg of the main and the tail motor's bridge. The motor is between the
+    /// two.
     pub const fn bridges(self) -> [[Leg; 2]; 2] {
         use Side::{Complement, Main};
         match self {

@@ -1,4 +1,5 @@
-//! Prints the firmware's figures: sizes, instructions of the tick, step by step, and the paper's law in C beside it.
+//! Prints the firmware's figures: sizes, instructions of the tick, step by step, and the paper's law in C
+//! beside it.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;

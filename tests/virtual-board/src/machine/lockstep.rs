@@ -259,8 +259,8 @@ impl Live<'_> {
         &self.lockstep.ticks
     }
 
-    /// Follows the ticks from now on, instruction by instruction, through `instructions`; or no more, with none. It is a
-    /// hundred times slower.
+    /// Follows the ticks from now on, instruction by instruction, through `instructions`; or no more, with
+    /// none. It is a hundred times slower.
     pub fn follow(&mut self, instructions: BTreeSet<u64>) {
         for &address in self.lockstep.followed.difference(&instructions) {
             self.session.unwatch(Watch::Instruction(address));

@@ -76,8 +76,8 @@ pub struct Setup {
     pub tick: &'static str,
     /// Decides what chance decides: the RAM at power-on, the bits of a cut-off flash operation.
     pub seed: u64,
-    /// Accesses that the part refuses, with a bus error or because an instance's clock is off, are no failure: for a
-    /// firmware that is being wronged.
+    /// Accesses that the part refuses, with a bus error or because an instance's clock is off, are no
+    /// failure: for a firmware that is being wronged.
     pub refusals_allowed: bool,
     /// The core's memory protection unit takes effect: see [`Board::new`].
     pub protects_memory: bool,

@@ -5,7 +5,7 @@ use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Setup;
 use virtual_board::record;

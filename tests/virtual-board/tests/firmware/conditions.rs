@@ -1,10 +1,10 @@
-//! Every hazard, brought about while the motors turn: the fault has its name, comes within the time its rule says, and the
-//! motors are off at most two ticks later.
+//! Every hazard, brought about while the motors turn: the fault has its name, comes within the time its rule
+//! says, and the motors are off at most two ticks later.
 
 use twinrotor::axes::PerAxis;
 use twinrotor::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Live;
 use virtual_board::record;
@@ -32,8 +32,8 @@ fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
     until_then.saturating_sub(fault as usize)
 }
 
-/// Brings a hazard about while flying, with the paper's law and with the built-in controller, and checks all that must
-/// follow. `within` is its rule's time \[ticks\].
+/// Brings a hazard about while flying, with the paper's law and with the built-in controller, and checks all
+/// that must follow. `within` is its rule's time \[ticks\].
 #[track_caller]
 fn expect(cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
     for (rig, parameters) in both() {

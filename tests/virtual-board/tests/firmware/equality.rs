@@ -1,15 +1,16 @@
-//! What flies is what the host computes: the board's compare values and telemetry against the core's own control loop on
-//! the host, with the same plant, tick for tick and bit for bit; both ways of driving amplifiers.
+//! What flies is what the host computes: the board's compare values and telemetry against the core's own
+//! control loop on the host, with the same plant, tick for tick and bit for bit; both ways of driving
+//! amplifiers.
 
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::{ControlLoop, Inputs, Outputs, OperatorCommand};
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive as Amplifier;
 use twinrotor::first_power::Verdict;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{Condition, Conditions, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::telemetry::Frame;
 use virtual_board::chip::timer::Drive;
 use virtual_board::firmware::Firmware;
@@ -48,8 +49,8 @@ impl Host {
         self.tick(self.control, self.helicopter.counters(), command)
     }
 
-    /// The last tick once more with `command`, of which its telemetry and its volts told nothing, since a command filter lets a
-    /// jump through one tick later; then this tick.
+    /// The last tick once more with `command`, of which its telemetry and its volts told nothing, since a
+    /// command filter lets a jump through one tick later; then this tick.
     fn compute_late(&self, command: OperatorCommand) -> Option<(ControlLoop, Outputs)> {
         let (control, counters) = self.before_last?;
         let (corrected, _) = self.tick(control, counters, Some(command));
@@ -86,8 +87,8 @@ impl Host {
     }
 }
 
-/// Flies on the board, setpoint after setpoint; answers every frame, and what the latched compare values ask for after each
-/// tick.
+/// Flies on the board, setpoint after setpoint; answers every frame, and what the latched compare values ask
+/// for after each tick.
 fn fly(
     setup: Setup,
     rig: &Rig,

@@ -18,7 +18,7 @@ use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
-use twinrotor::supervisor::{Request, ArmState};
+use twinrotor::supervisor::{ArmState, Request};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Machine, Setup};
@@ -56,12 +56,14 @@ fn make_ready(station: &mut Station) {
     station.await_state(200, ArmState::Ready);
 }
 
-/// What the tests fly: the paper's law on the paper's rig, and the controller that the firmware has built in on its rig.
+/// What the tests fly: the paper's law on the paper's rig, and the controller that the firmware has built in
+/// on its rig.
 fn both() -> [(Rig, Parameters); 2] {
     [(presets::PAPER, papers(&presets::PAPER)), record::tuned(record::BUILT_IN)]
 }
 
-/// A board with the paper's law at the paper's rig that reports every tick, holding the step's end after it flew it.
+/// A board with the paper's law at the paper's rig that reports every tick, holding the step's end after it
+/// flew it.
 #[track_caller]
 fn flying() -> Station {
     let [(rig, parameters), _] = both();

@@ -3,7 +3,7 @@
 use twinrotor::link::{Refusal, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, ArmState};
+use twinrotor::supervisor::{ArmState, Condition};
 use virtual_board::chip::flash::Operation;
 use virtual_board::machine::Setup;
 use virtual_board::station::Station;

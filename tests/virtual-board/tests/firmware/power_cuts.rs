@@ -1,6 +1,6 @@
-//! The supply goes in the middle of a save: afterwards the old record or the new one is in force, whole, and the next save
-//! holds. Every flash operation of a save that stays on its page and of one that turns to each page, cut off at 0, 25, 50,
-//! 75 and 100 % of its duration; and two cuts in a row, sampled.
+//! The supply goes in the middle of a save: afterwards the old record or the new one is in force, whole, and
+//! the next save holds. Every flash operation of a save that stays on its page and of one that turns to each
+//! page, cut off at 0, 25, 50, 75 and 100 % of its duration; and two cuts in a row, sampled.
 
 use embedded_storage::nor_flash::NorFlash;
 use twinrotor::link::ToBoard;
@@ -37,7 +37,8 @@ fn board(seed: u64) -> Station {
     station
 }
 
-/// Puts `bytes` into the parameter sectors of a board that runs: it looks for the record in force at every save.
+/// Puts `bytes` into the parameter sectors of a board that runs: it looks for the record in force at every
+/// save.
 fn put(station: &mut Station, bytes: &[u8]) {
     let bytes = bytes.to_vec();
     station.machine.with(move |board| board.replace_flash(ADDRESS, &bytes));
@@ -73,8 +74,8 @@ fn save_in_vain(station: &mut Station, record: u16, cut: Cut) {
     assert!(all_cut, "{cut:?} never came");
 }
 
-/// Saves with a cut in each: whatever happens, the record in force is the old one or the new one, the board booted with
-/// it, and the next save holds.
+/// Saves with a cut in each: whatever happens, the record in force is the old one or the new one, the board
+/// booted with it, and the next save holds.
 fn survive(station: &mut Station, start: &[u8], cuts: &[Cut]) {
     put(station, start);
     let mut before = variant(OLD);

@@ -4,7 +4,7 @@ use rigless::device::ResetCause;
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::link::ToBoard;
 use twinrotor::plant::presets;
-use twinrotor::supervisor::{Condition, Request, ArmState};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Live, Setup};
 use virtual_board::station::Station;
@@ -96,8 +96,8 @@ fn a_stack_that_overflows_faults_and_is_reported() {
     };
     let mut station = start(setup, &rig);
     station.run(100);
-    // The vector table's first word is where the stack begins: at the next reset, a fraction of what it needs. Once that
-    // has ended it, the word is put right again.
+    // The vector table's first word is where the stack begins: at the next reset, a fraction of what it
+    // needs. Once that has ended it, the word is put right again.
     station.machine.with(|board| {
         let low = u32::try_from(board.symbol("_stack_end")).expect("32 bits");
         board.replace_flash(VECTORS, &(low + 0x700).to_le_bytes());

@@ -38,8 +38,9 @@ fn no_step_of_the_tick_has_grown() {
     profile::compare(firmware().compiler(), &steps).unwrap_or_else(|why| panic!("{why}"));
 }
 
-/// \[instructions\] What the compiler may count to a neighbouring step: it mixes the instructions of steps, and moved two to the law when
-/// the command filter grew, which the paper's law flies without; the whole tick took one less.
+/// \[instructions\] What the compiler may count to a neighbouring step: it mixes the instructions of steps,
+/// and moved two to the law when the command filter grew, which the paper's law flies without; the whole tick
+/// took one less.
 const MIXED: u64 = 2;
 
 #[test]
