@@ -13,6 +13,10 @@
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+/// 1.5 x 2^23: an `f32` below 2^22 that this is added to and taken from again is rounded to a whole number, a
+/// tie to the even one, by the rounding of IEEE 754 itself.
+pub const ROUND_F32: f32 = 12_582_912.0;
+
 /// The outcome of a comparison: one truth value, or one for each lane.
 pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// The same truth value in every lane.
@@ -212,7 +216,7 @@ const fn f32_from_i32(value: i32) -> f32 {
     value as f32
 }
 
-scalar!(f32, 12_582_912.0, libm::sqrtf, crate::trig::sin_cos, f32_from_f64, f32_from_i32);
+scalar!(f32, ROUND_F32, libm::sqrtf, crate::trig::sin_cos, f32_from_f64, f32_from_i32);
 scalar!(f64, 6_755_399_441_055_744.0, libm::sqrt, libm::sincos, f64::from, f64::from);
 
 #[cfg(test)]

@@ -8,9 +8,6 @@ use twinrotor::link::{self, Decoder, Identity, MAX_FRAME, Refusal, ToBoard, ToHo
 use twinrotor::parameters::{self, Parameters};
 use twinrotor::replay::{Replayed, Sample};
 
-/// \[baud\] Of the serial link.
-pub const BAUD: u32 = 1_000_000;
-
 /// How long a board may take for an answer, an erase of .5 s included.
 const PATIENCE: Duration = Duration::from_secs(3);
 
@@ -147,7 +144,7 @@ fn told(refusal: &Refusal) -> String {
 
 /// Opens the serial port called `name`.
 pub fn open(name: &str) -> Outcome<Board<Box<dyn serialport::SerialPort>>> {
-    let port = serialport::new(name, BAUD).timeout(Duration::from_millis(50)).open();
+    let port = serialport::new(name, link::BAUD).timeout(Duration::from_millis(50)).open();
     let port = port.map_err(|error| Failure::Run(format!("--port {name} cannot be opened: {error}")))?;
     Ok(Board::new(port))
 }

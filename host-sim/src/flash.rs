@@ -2,18 +2,14 @@
 
 use crate::error::{Failure, Outcome};
 use twinrotor::parameters::ram_flash::RamFlash;
-use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
+use twinrotor::parameters::store::{AREA_ADDRESS, MAX_PAYLOAD, SLOT_SIZE, Store};
 use twinrotor::parameters::{ParameterError, Parameters};
 
-/// Where sectors 1 to 3, which hold the parameters, begin in the board's address space.
-pub const IMAGE_ADDRESS: u32 = 0x0800_4000;
 /// What says which parameter cannot be used.
 pub fn unusable(error: ParameterError) -> Failure {
     match error {
-        ParameterError::Range { field, allowed } => {
-            Failure::Input(format!("{field} cannot be used on a board; allowed: {allowed}"))
-        }
-        other => Failure::Run(format!("the parameter record cannot be made: {other:?}")),
+        ParameterError::Range { .. } => Failure::Input(error.to_string()),
+        other => Failure::Run(other.to_string()),
     }
 }
 
@@ -34,12 +30,12 @@ pub fn image(parameters: &Parameters) -> Outcome<Vec<u8>> {
     Ok(store.into_flash().bytes().to_vec())
 }
 
-/// An image as Intel HEX at [`IMAGE_ADDRESS`].
+/// An image as Intel HEX at [`AREA_ADDRESS`].
 pub fn intel_hex(image: &[u8]) -> String {
     use ihex::Record;
     let upper = |address: u32| Record::ExtendedLinearAddress((address >> 16) as u16);
-    let mut records = vec![upper(IMAGE_ADDRESS)];
-    for (address, bytes) in (IMAGE_ADDRESS..).step_by(32).zip(image.chunks(32)) {
+    let mut records = vec![upper(AREA_ADDRESS)];
+    for (address, bytes) in (AREA_ADDRESS..).step_by(32).zip(image.chunks(32)) {
         if address & 0xFFFF == 0 {
             records.push(upper(address));
         }
@@ -86,7 +82,7 @@ mod tests {
             match record.unwrap() {
                 ihex::Record::ExtendedLinearAddress(upper) => base = u32::from(upper) << 16,
                 ihex::Record::Data { offset, value } => {
-                    let at = (base + u32::from(offset) - IMAGE_ADDRESS) as usize;
+                    let at = (base + u32::from(offset) - AREA_ADDRESS) as usize;
                     memory[at..at + value.len()].copy_from_slice(&value);
                 }
                 _ => {}

@@ -166,7 +166,7 @@ impl GainsFile {
     }
 
     fn parse(path: &str, text: &str) -> Outcome<Self> {
-        let file: Self = from_toml(path, text)?;
+        let file: Self = from_toml(path, text).map_err(|error| blame_version(error, text))?;
         file.controller.validate().map_err(|e| Failure::Input(format!("{path}: {e}")))?;
         Ok(file)
     }
@@ -200,6 +200,22 @@ impl GainsFile {
         Settings::new(rig, self.controller, SAMPLE_TIME)
     }
 }
+
+/// Beside what is wrong with a file, that another version of this program wrote it, if one did: such a file is
+/// made anew.
+fn blame_version(error: Failure, text: &str) -> Failure {
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let written = table.get("provenance").and_then(|p| p.get("version")).and_then(toml::Value::as_str);
+    match written {
+        Some(written) if written != VERSION => Failure::Input(format!(
+            "{error}; version {written} wrote this file and version {VERSION} reads it: tune it anew"
+        )),
+        _ => error,
+    }
+}
+
+/// Of this program.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 #[cfg(test)]
 mod tests {
@@ -239,6 +255,35 @@ mod tests {
             assert!(error.contains(expected), "{error}");
             assert!(!error.contains('\n') && error.starts_with("my.toml"), "{error}");
         }
+    }
+
+    /// Written before the filter had a damping, an advance and a reach: it flies as it did.
+    #[test]
+    fn a_file_of_a_former_version_is_read() {
+        let text = "controller = \"integral-backstepping\"
+            [allocation.weighted]\npitch_weight = 0.7
+            [pitch]\nintegral = 2.0\nposition = 16.8\nrate = 8.0\nweight = 2.3
+            [yaw]\nintegral = 9.7\nposition = 2.8\nrate = 16.3\nweight = 5.9
+            [estimator.extended-state.bandwidth]\npitch = 12.0\nyaw = 19.0
+            [filter.bandwidth]\npitch = 8.3\nyaw = 4.6
+            [lead]\nfactor = 0.77
+            [cancellation]\npitch = 0.52\nyaw = 0.11
+            [provenance]\npreset = \"aero-lab\"\nobjective = \"robust\"\nalgorithm = \"fpa-yang\"
+            seed = 1\nevaluations = 2001\ncost = 5.0\nversion = \"0.1.0\"";
+        let filter = GainsFile::parse("old.toml", text).unwrap().controller.filter.unwrap();
+        assert_eq!(filter.bandwidth, PerAxis::new(8.3, 4.6));
+        assert_eq!((filter.damping, filter.advance, filter.reach), (None, None, None));
+    }
+
+    #[test]
+    fn a_file_that_only_another_version_can_read_says_so() {
+        let text = "controller = \"backstepping\"\n[pitch]\nk1 = 4.2\n[provenance]\nversion = \"0.0.9\"";
+        let error = GainsFile::parse("old.toml", text).unwrap_err().to_string();
+        assert!(error.contains("k1") && !error.contains('\n'), "{error}");
+        assert!(
+            error.contains("version 0.0.9 wrote this file") && error.ends_with("tune it anew"),
+            "{error}"
+        );
     }
 
     /// What a board boots with is what the committed files say, bit for bit.

@@ -14,7 +14,7 @@ use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::{LaggedRotors, PlantParameters};
-use twinrotor::real::{Mask, Real};
+use twinrotor::real::{Mask, ROUND_F32, Real};
 
 /// How many closed loops run side by side. Two vectors of AVX2: while one waits for a result, the other
 /// computes.
@@ -222,8 +222,7 @@ impl<S: Simd> Real for Lanes<S> {
     }
     #[inline(always)]
     fn round_small(self) -> Self {
-        const SHIFT: f32 = 12_582_912.0;
-        (self + Self::splat(SHIFT)) - Self::splat(SHIFT)
+        (self + Self::splat(ROUND_F32)) - Self::splat(ROUND_F32)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
-use twinrotor::real::Real;
+use twinrotor::real::{ROUND_F32, Real};
 
 thread_local! {
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
@@ -94,7 +94,7 @@ impl Real for Counted {
         if mask { yes } else { no }
     }
     fn round_small(self) -> Self {
-        let shift = Self(12_582_912.0);
+        let shift = Self(ROUND_F32);
         (self + shift) - shift
     }
 }

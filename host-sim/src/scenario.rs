@@ -14,7 +14,7 @@ use twinrotor::real::Real;
 use twinrotor::reference::{MAX_JUMPS, Profile, Reference, Trajectory, ticks};
 
 /// \[s\] From tick to tick: 1 kHz.
-pub const SAMPLE_TIME: f64 = 1e-3;
+pub use twinrotor::parameters::SAMPLE_TIME;
 
 /// Longest flight \[s\]: a day would fill the memory with rows.
 const LONGEST: f64 = 3_600.0;

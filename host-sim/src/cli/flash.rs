@@ -3,7 +3,7 @@
 use super::{print, print_json};
 use crate::board;
 use crate::error::{Failure, Outcome};
-use crate::flash::{self, IMAGE_ADDRESS};
+use crate::flash;
 use crate::gains_file::GainsFile;
 use crate::output;
 use crate::rig;
@@ -11,6 +11,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use twinrotor::parameters::Parameters;
+use twinrotor::parameters::store::AREA_ADDRESS;
 
 /// Flags of `flash`.
 #[derive(Debug, clap::Args)]
@@ -66,7 +67,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     };
     if args.json {
         let bytes = image.len();
-        print_json(&Document { preset: named.name, gains, address: IMAGE_ADDRESS, bytes, done, warning })
+        print_json(&Document { preset: named.name, gains, address: AREA_ADDRESS, bytes, done, warning })
     } else {
         print(&format!("{done}\n"))
     }
@@ -111,7 +112,7 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
         }
     };
     output::write(path, &bytes)?;
-    Ok(format!("wrote {} ({} bytes for {IMAGE_ADDRESS:#x})", path.display(), image.len()))
+    Ok(format!("wrote {} ({} bytes for {AREA_ADDRESS:#x})", path.display(), image.len()))
 }
 
 fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
@@ -137,7 +138,7 @@ fn program(args: &Args, image: &[u8]) -> Outcome<String> {
     if let Some(reason) = reason {
         return Err(Failure::Run(format!(
             "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image parameters.bin`, then \
-             `probe-rs download --chip {chip} --binary-format bin --base-address {IMAGE_ADDRESS:#x} parameters.bin`. Over the \
+             `probe-rs download --chip {chip} --binary-format bin --base-address {AREA_ADDRESS:#x} parameters.bin`. Over the \
              serial link: `host-sim flash {gains} --preset {preset} --port DEVICE`",
             gains = args.gains,
             preset = args.preset.as_deref().unwrap_or("PRESET"),
@@ -149,13 +150,13 @@ fn program(args: &Args, image: &[u8]) -> Outcome<String> {
     std::fs::write(file.path(), image).map_err(failed)?;
     let status = Command::new("probe-rs")
         .args(["download", "--chip", &args.chip, "--binary-format", "bin", "--base-address"])
-        .arg(format!("{IMAGE_ADDRESS:#x}"))
+        .arg(format!("{AREA_ADDRESS:#x}"))
         .arg(file.path())
         .stdout(std::process::Stdio::null())
         .status()
         .map_err(failed)?;
     if status.success() {
-        Ok(format!("programmed {} bytes at {IMAGE_ADDRESS:#x} of the {}", image.len(), args.chip))
+        Ok(format!("programmed {} bytes at {AREA_ADDRESS:#x} of the {}", image.len(), args.chip))
     } else {
         Err(Failure::Run(format!("probe-rs ended with {status}")))
     }

@@ -255,8 +255,7 @@ fn image(args: &Args, rig: &Rig) -> Outcome<Vec<u8>> {
         };
     }
     let gains = GainsFile::load(&args.gains)?;
-    let settings = twinrotor::pipeline::Settings { sample_time: SAMPLE_TIME, ..gains.settings(rig) };
-    flash::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &settings) })
+    flash::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &gains.settings(rig)) })
 }
 
 fn event(frame: &Frame) -> String {

@@ -3,13 +3,13 @@
 use twinrotor::defaults;
 use twinrotor::gains::PAPER;
 use twinrotor::parameters::ram_flash::RamFlash;
-use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
+use twinrotor::parameters::store::{AREA_ADDRESS, MAX_PAYLOAD, SLOT_SIZE, Store};
 use twinrotor::parameters::{Parameters, SAMPLE_TIME};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::{self, Rig};
 
 /// Where the parameter sectors begin.
-pub const ADDRESS: u64 = crate::chip::flash::BASE + 0x4000;
+pub const ADDRESS: u64 = AREA_ADDRESS as u64;
 /// The preset of the record that the firmware has built in, unless it was built for another.
 pub const BUILT_IN: &str = "aero2";
 
