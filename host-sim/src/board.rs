@@ -40,7 +40,8 @@ impl<P: Read + Write> Board<P> {
             return Ok(identity);
         }
         Err(Failure::Run(format!(
-            "the board keeps parameters of version {}, this program those of version {}: build both from the same source",
+            "the board keeps parameters of version {}, this program those of version {}: build both from the \
+             same source",
             identity.parameters,
             parameters::VERSION
         )))
@@ -124,7 +125,8 @@ impl<P: Read + Write> Board<P> {
             }
         }
         Err(Failure::Run(format!(
-            "the board did not answer within {} s: is it powered, is this its port, does it run this firmware?",
+            "the board did not answer within {} s: is it powered, is this its port, does it run this \
+             firmware?",
             PATIENCE.as_secs()
         )))
     }

@@ -159,7 +159,8 @@ impl GainsFile {
         let path = Path::new(name);
         if !path.exists() {
             return Err(Failure::Input(format!(
-                "--gains is '{name}'; allowed: 'paper' (Table 4) or the path of a gains file, and there is no such file"
+                "--gains is '{name}'; allowed: 'paper' (Table 4) or the path of a gains file, and there is \
+                 no such file"
             )));
         }
         Self::parse(name, &fs::read_to_string(path).map_err(|e| Failure::reading(path, &e))?)

@@ -95,8 +95,8 @@ impl fmt::Display for ParameterError {
             ),
             Self::Version { found } => write!(
                 f,
-                "the parameter record is of version {found}, and only version {VERSION} is read: make it anew \
-                 from its gains file with this program, and store it again"
+                "the parameter record is of version {found}, and only version {VERSION} is read: make it \
+                 anew from its gains file with this program, and store it again"
             ),
             Self::Range { field, allowed } => {
                 write!(f, "{field} cannot be used on a board; allowed: {allowed}")

@@ -79,7 +79,8 @@ fn preset<'a>(args: &'a Args, gains: &'a GainsFile) -> Outcome<&'a str> {
         (Some(name), _) => Ok(name),
         (None, Some(provenance)) => Ok(&provenance.preset),
         (None, None) => Err(Failure::Input(format!(
-            "--preset is missing, and {} does not say which rig it was tuned on; name the rig, such as --preset aero2",
+            "--preset is missing, and {} does not say which rig it was tuned on; name the rig, such as \
+             --preset aero2",
             args.gains
         ))),
     }
@@ -92,8 +93,8 @@ fn not_a_rig(preset: &str, gains: &GainsFile) -> Option<String> {
     if on_paper(tuned) || on_paper(preset) {
         let name = if on_paper(tuned) { tuned } else { preset };
         return Some(format!(
-            "these gains are for preset '{name}', whose plant is the paper's and not that of any rig: tune on aero, aero2, \
-             aero-lab, heli or a preset of your own rig before you fly"
+            "these gains are for preset '{name}', whose plant is the paper's and not that of any rig: tune \
+             on aero, aero2, aero-lab, heli or a preset of your own rig before you fly"
         ));
     }
     (tuned != preset).then(|| format!("these gains were tuned on '{tuned}', not on '{preset}'"))
@@ -137,9 +138,10 @@ fn program(args: &Args, image: &[u8]) -> Outcome<String> {
     };
     if let Some(reason) = reason {
         return Err(Failure::Run(format!(
-            "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image parameters.bin`, then \
-             `probe-rs download --chip {chip} --binary-format bin --base-address {AREA_ADDRESS:#x} parameters.bin`. Over the \
-             serial link: `host-sim flash {gains} --preset {preset} --port DEVICE`",
+            "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image \
+             parameters.bin`, then `probe-rs download --chip {chip} --binary-format bin --base-address \
+             {AREA_ADDRESS:#x} parameters.bin`. Over the serial link: `host-sim flash {gains} --preset \
+             {preset} --port DEVICE`",
             gains = args.gains,
             preset = args.preset.as_deref().unwrap_or("PRESET"),
             chip = args.chip,

@@ -97,7 +97,8 @@ fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Rep
     let identity = board.identify()?;
     if !board.keeps(parameters)? {
         return Err(Failure::Run(format!(
-            "the board at {port} keeps other parameters than these gains and this preset make: host-sim flash GAINS --preset PRESET --port {port}"
+            "the board at {port} keeps other parameters than these gains and this preset make: host-sim \
+             flash GAINS --preset PRESET --port {port}"
         )));
     }
     let bar = ProgressBar::new(samples.len() as u64);
@@ -123,7 +124,8 @@ fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Rep
 
 fn summary(title: &str, report: &Report, on_board: Option<&str>, notes: &[String]) -> String {
     let mut text = format!(
-        "{title}\n{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s back and ahead\n",
+        "{title}\n{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s \
+         back and ahead\n",
         report.from_s,
         report.to_s,
         1e3 * report.sample_time_s,
@@ -146,9 +148,17 @@ fn summary(title: &str, report: &Report, on_board: Option<&str>, notes: &[String
     let _ = writeln!(text, "{table}");
     match report.volts_difference {
         Some(volts) => {
-            let _ = writeln!(text, "our volts minus the logged ones: main {:.2} V, tail {:.2} V rms", volts.main, volts.tail);
+            let _ = writeln!(
+                text,
+                "our volts minus the logged ones: main {:.2} V, tail {:.2} V \
+                rms",
+                volts.main, volts.tail
+            );
         }
-        None => text.push_str("what was wanted is not recorded: the law was not asked (--scenario, or columns ref_pitch,ref_yaw)\n"),
+        None => text.push_str(
+            "what was wanted is not recorded: the law was not asked (--scenario, or \
+            columns ref_pitch,ref_yaw)\n",
+        ),
     }
     if let Some(on_board) = on_board {
         let _ = writeln!(text, "{on_board}");

@@ -108,7 +108,8 @@ pub(super) fn summary(
     let Effort { simulated, skipped, diverged } = search.effort();
     let _ = writeln!(
         text,
-        "{} on preset {}, scenario {}: {} evaluations, {:.2} million steps and {:.2} million skipped, in {:.2} s",
+        "{} on preset {}, scenario {}: {} evaluations, {:.2} million steps and {:.2} million skipped, in \
+         {:.2} s",
         args.algorithm,
         request.named.name,
         request.scenario.name,
@@ -189,7 +190,8 @@ fn bound_warnings(request: &Request, found: &GainsFile) -> String {
         };
         let _ = writeln!(
             text,
-            "warning: {name} = {value:.3} lies at the bound {bound}: the objective wants more than the bounds allow"
+            "warning: {name} = {value:.3} lies at the bound {bound}: the objective wants more than the \
+             bounds allow"
         );
     }
     text
@@ -201,8 +203,8 @@ fn in_the_rigs_world(args: &Args, request: &Request, found: &GainsFile, objectiv
         return String::new();
     }
     let mut text = format!(
-        "\nWhat {objective_name} in the paper's world does not see: the same gains in the rig's (--fidelity rig: \
-         rotor lag {} s, encoder counts, estimated rates, one tick of delay)\n",
+        "\nWhat {objective_name} in the paper's world does not see: the same gains in the rig's (--fidelity \
+         rig: rotor lag {} s, encoder counts, estimated rates, one tick of delay)\n",
         request.named.rig.plant.rotor_time_constant.main
     );
     let flights = [GainsFile::paper(), found.clone()].map(|g| fly_in(args, request, &g, Fidelity::Rig));

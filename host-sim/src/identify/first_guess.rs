@@ -141,7 +141,8 @@ pub fn swapped(
     let mut lines = Vec::new();
     let mut say = |motor: &str, axis: &str, column: &str| {
         lines.push(format!(
-            "positive volts on {motor} turn {axis} the wrong way: {column} looks swapped; say so: --columns {column}=-NAME"
+            "positive volts on {motor} turn {axis} the wrong way: {column} looks swapped; say so: --columns \
+             {column}=-NAME"
         ));
     };
     let against = |found: f64, meant: f64| found * meant < 0.0;

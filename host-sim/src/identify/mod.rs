@@ -94,7 +94,8 @@ pub fn training_windows(runs: &[Run], length: f64) -> Outcome<Vec<Window>> {
         .collect();
     if windows.is_empty() {
         return Err(Failure::Input(format!(
-            "--window is {length} s, and no log has a window of that length in which anything happens; allowed: less"
+            "--window is {length} s, and no log has a window of that length in which anything happens; \
+             allowed: less"
         )));
     }
     Ok(windows)

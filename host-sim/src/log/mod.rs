@@ -141,7 +141,8 @@ impl Log {
         for (name, most, limit) in [("v0", most.main, limit.main), ("v1", most.tail, limit.tail)] {
             if most > 1.02 * limit {
                 return Err(Failure::Input(format!(
-                    "{}: {name} reaches {most} V; allowed: the preset's limit of {limit} V (other units? say so: --columns {name}=NAME:mV)",
+                    "{}: {name} reaches {most} V; allowed: the preset's limit of {limit} V (other units? say \
+                     so: --columns {name}=NAME:mV)",
                     self.name
                 )));
             }
@@ -177,7 +178,8 @@ impl Raw {
         let volts = layout.volts(record)?;
         if volts.main.abs() > MOST_VOLTS || volts.tail.abs() > MOST_VOLTS {
             return Err(format!(
-                "volts of {}, {}; allowed: at most {MOST_VOLTS} V (other units? say so: --columns v0=NAME:mV)",
+                "volts of {}, {}; allowed: at most {MOST_VOLTS} V (other units? say so: --columns \
+                 v0=NAME:mV)",
                 volts.main, volts.tail
             ));
         }
@@ -205,7 +207,8 @@ impl Raw {
         let [least, most] = SAMPLE_TIMES;
         if !(least..=most).contains(&sample_time) {
             return Err(format!(
-                "rows are {sample_time} s apart; allowed: {least} to {most} s (other units? say so: --columns t=NAME:ms)"
+                "rows are {sample_time} s apart; allowed: {least} to {most} s (other units? say so: \
+                 --columns t=NAME:ms)"
             ));
         }
         let stretches = stretches(&self.time, sample_time);
@@ -269,7 +272,8 @@ fn check_motion(log: &mut Log, layout: &columns::Layout) -> Result<(), String> {
     for (axis, of) in [("pitch", (|a| a.pitch) as fn(&PerAxis<f64>) -> f64), ("yaw", |a| a.yaw)] {
         if layout.is_plain_rad(axis) && looks_like_degrees(log.angle.iter().map(of)) {
             return Err(format!(
-                "{axis} moves in steps of a whole part of 360, not of 2 pi: degrees, not rad; say so: --columns {axis}=NAME:deg"
+                "{axis} moves in steps of a whole part of 360, not of 2 pi: degrees, not rad; say so: \
+                 --columns {axis}=NAME:deg"
             ));
         }
     }

@@ -71,7 +71,8 @@ impl Bounds {
         for (k, [low, high]) in bounds.iter().enumerate() {
             if !(low.is_finite() && high.is_finite() && low < high) {
                 return Err(format!(
-                    "bounds of coordinate {} are {low},{high}; allowed: two finite numbers, the lower one first",
+                    "bounds of coordinate {} are {low},{high}; allowed: two finite numbers, the lower one \
+                     first",
                     k + 1
                 ));
             }

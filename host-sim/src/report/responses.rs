@@ -77,7 +77,8 @@ fn table_5(flown: &Flight) -> Section {
             Verdict::of(
                 overshoot(report.pitch.overshoot_percent).max(overshoot(report.yaw.overshoot_percent)) < 0.05,
             ),
-            "not the search's merit: with gains of 1 and more the closed loop is damped by .7 or better, whatever they are",
+            "not the search's merit: with gains of 1 and more the closed loop is damped by .7 or better, \
+             whatever they are",
         ),
         entry(
             "steady error, pitch",
@@ -104,7 +105,9 @@ fn table_5(flown: &Flight) -> Section {
     ];
     Section {
         title: "Table 5 and Fig. 4a: the step".to_owned(),
-        text: "15° of pitch and 40° of yaw from rest, Table 4's gains, Table 3's constants, ±24 V, held for 1 ms.".to_owned(),
+        text: "15° of pitch and 40° of yaw from rest, Table 4's gains, Table 3's constants, ±24 V, held for \
+            1 ms."
+            .to_owned(),
         entries,
         pictures: vec![picture(
             "fig-4a-responses",
@@ -148,7 +151,8 @@ fn fig_5(flown: &Flight) -> Outcome<Section> {
             } else {
                 Verdict::NotReproduced
             },
-            "Table 3 does not give it, ten to twenty times less k_pp does: .022 is probably a misprint of the manufacturer's .0011",
+            "Table 3 does not give it, ten to twenty times less k_pp does: .022 is probably a misprint of \
+             the manufacturer's .0011",
         ),
         entry(
             "both errors are about 0° after 0.8 s",
@@ -235,8 +239,8 @@ fn fig_7() -> Outcome<Section> {
                 "small, gone in 10 to 20 ms",
                 format!("{ours:.1e}° with Table 3; {real:.2}° with the manufacturer's constants"),
                 Verdict::of(ours > 0.01),
-                "the law cancels the coupling and no motor reaches its limit; with the manufacturer's thrust gains one does, and then \
-                 the deviation lasts a second",
+                "the law cancels the coupling and no motor reaches its limit; with the manufacturer's thrust \
+                 gains one does, and then the deviation lasts a second",
             ),
             entry(
                 "instants of the jumps",
@@ -268,8 +272,8 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
     Ok(Section {
         title: "Figs 8 and 9: scenario 3, disturbed".to_owned(),
         text: format!(
-            "Scenario 1 with random volts on both motors for 20 s. The paper gives neither their size nor how long each value holds, and \
-             the errors grow with both; here ±{} V, {} s.",
+            "Scenario 1 with random volts on both motors for 20 s. The paper gives neither their size nor \
+             how long each value holds, and the errors grow with both; here ±{} V, {} s.",
             disturbance.volts, disturbance.hold
         ),
         entries: vec![
@@ -278,8 +282,8 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
                 "stable",
                 format!("RMS error {:.3}° of pitch, {:.3}° of yaw from 3 to 20 s", during.0, during.1),
                 Verdict::of(during.0 < 5.0 && during.1 < 5.0),
-                "nothing in the law rejects a disturbance: it has no integral and no observer; the loop's stiffness holds the error \
-                 down",
+                "nothing in the law rejects a disturbance: it has no integral and no observer; the loop's \
+                 stiffness holds the error down",
             ),
             entry(
                 "they return when it ends at 20 s",
@@ -348,15 +352,16 @@ pub(super) fn fan(size: Size, seed: u64) -> Outcome<Section> {
     Ok(Section {
         title: "Beyond the paper: a fan over plants".to_owned(),
         text: format!(
-            "Table 4's gains on {} plants around Table 3 (inertias, dampings and thrust gains ±30 %, rotor lag .05 s ±70 %), with encoder \
-             counts, estimated rates and a tick of delay.",
+            "Table 4's gains on {} plants around Table 3 (inertias, dampings and thrust gains ±30 %, rotor \
+             lag .05 s ±70 %), with encoder counts, estimated rates and a tick of delay.",
             size.fan
         ),
         entries: vec![entry(
             "robustness to modelling uncertainty",
             "claimed, not tested",
             format!(
-                "{count} of {} settle within 5 % in 3 s; overshoot up to {over_pitch:.1} % of pitch, {over_yaw:.1} % of yaw",
+                "{count} of {} settle within 5 % in 3 s; overshoot up to {over_pitch:.1} % of pitch, \
+                 {over_yaw:.1} % of yaw",
                 size.fan
             ),
             Verdict::of(count == size.fan),

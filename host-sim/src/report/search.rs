@@ -78,7 +78,8 @@ pub(super) fn table_1(searches: &Searches) -> Section {
             &s.name,
             "–",
             format!(
-                "median ISE {:.6}, best {:.6}, worst {:.6}; to within 1 % after {} evaluations, .1 % after {}",
+                "median ISE {:.6}, best {:.6}, worst {:.6}; to within 1 % after {} evaluations, .1 % after \
+                 {}",
                 s.median,
                 s.best,
                 s.worst,
@@ -95,7 +96,8 @@ pub(super) fn table_1(searches: &Searches) -> Section {
             "GA, PSO, GWO: high computational cost",
             "high, against FPA",
             format!(
-                "within 1 % of the optimum: FPA after {ours:.0} evaluations, the cheapest of the three after {cheapest:.0}"
+                "within 1 % of the optimum: FPA after {ours:.0} evaluations, the cheapest of the three after \
+                 {cheapest:.0}"
             ),
             Verdict::of(ours * 2.0 < cheapest),
             "an evaluation costs the same whoever asks for it",
@@ -123,7 +125,8 @@ pub(super) fn table_1(searches: &Searches) -> Section {
     Section {
         title: "Table 1: methods".to_owned(),
         text: format!(
-            "The table compares by words. Here every method searches the paper's problem, {} evaluations from {} seeds.",
+            "The table compares by words. Here every method searches the paper's problem, {} evaluations \
+             from {} seeds.",
             size.evaluations, size.seeds
         ),
         entries: claims.into_iter().chain(standings.iter().map(row)).collect(),
@@ -171,8 +174,8 @@ fn scatter(peers: &[Peer]) -> Picture {
     };
     Picture {
         name: "gains".to_owned(),
-        caption: "Where the searches end, one dot a seed: at the bounds, far from Table 4. A pair of gains can be exchanged (the law \
-                  is symmetric), so each optimum is there twice."
+        caption: "Where the searches end, one dot a seed: at the bounds, far from Table 4. A pair of gains \
+            can be exchanged (the law is symmetric), so each optimum is there twice."
             .to_owned(),
         figure: Figure {
             title: "Gains found for ISE".to_owned(),
@@ -233,13 +236,13 @@ pub(super) fn table_2(searches: &Searches, seed: u64) -> Outcome<Section> {
         "monotonic",
         format!("the best cost never rises; the mean of the flowers does in {rises} of 30 generations"),
         Verdict::WithinAmbiguity,
-        "true of the best by definition, whatever the method; Fig. 4 replaces flowers whatever their cost, though the text says \
-         greedily",
+        "true of the best by definition, whatever the method; Fig. 4 replaces flowers whatever their cost, \
+         though the text says greedily",
     );
     let found = searches.peers[0].best();
     let text = format!(
-        "N, T, p and c as printed; where the paper is silent: Lévy exponent 1.5, j and k different flowers, coordinates beyond a bound \
-         on the bound. Lowest ISE of {} seeds at {} evaluations: {:.7}.",
+        "N, T, p and c as printed; where the paper is silent: Lévy exponent 1.5, j and k different flowers, \
+         coordinates beyond a bound on the bound. Lowest ISE of {} seeds at {} evaluations: {:.7}.",
         searches.size.seeds, searches.size.evaluations, found.cost
     );
     Ok(Section {

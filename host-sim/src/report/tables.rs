@@ -88,10 +88,14 @@ pub(super) fn table_4(searches: &Searches) -> Outcome<Section> {
     entries.push(entry(
         "Table 4 minimises ISE",
         "found by FPA",
-        format!("ISE {:.6} with Table 4, {cost:.6} with ours: Table 4 is {above:.0} % above the best known", searches.paper),
+        format!(
+            "ISE {:.6} with Table 4, {cost:.6} with ours: Table 4 is {above:.0} % above the best \
+            known",
+            searches.paper
+        ),
         Verdict::of(above < 1.0),
-        "with the paper's model, objective, bounds and algorithm Table 4 cannot come out: something else was minimised, or the gains \
-         were chosen",
+        "with the paper's model, objective, bounds and algorithm Table 4 cannot come out: something else was \
+         minimised, or the gains were chosen",
     ));
     Ok(Section {
         title: "Table 4: gains".to_owned(),
@@ -155,8 +159,8 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
                 rival.name,
                 rival.words,
                 format!(
-                    "J {:.2}; settling {:.2} / {:.2} s; overshoot (95 %) {:.0} / {:.0} %; error under a constant disturbance {:.2}° / {:.2}°; \
-                     beyond a limit for {:.2} s; {} of {} fail",
+                    "J {:.2}; settling {:.2} / {:.2} s; overshoot (95 %) {:.0} / {:.0} %; error under a \
+                     constant disturbance {:.2}° / {:.2}°; beyond a limit for {:.2} s; {} of {} fail",
                     r.total,
                     r.settling_time_2.pitch,
                     r.settling_time_2.yaw,
@@ -205,9 +209,10 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
     Ok(Section {
         title: "Table 6: comparison, measured".to_owned(),
         text: format!(
-            "The paper's table is words. Here all fly the step in the rig's world (rotor lag, encoders, delay) on {} plants that none was \
-             tuned on, a constant disturbance of up to 2 V setting in at {allowance} s; those tuned here had {} evaluations by Fig. 4 on 16 \
-             other plants. J is the robust objective, lower is better.",
+            "The paper's table is words. Here all fly the step in the rig's world (rotor lag, encoders, \
+             delay) on {} plants that none was tuned on, a constant disturbance of up to 2 V setting in at \
+             {allowance} s; those tuned here had {} evaluations by Fig. 4 on 16 other plants. J is the \
+             robust objective, lower is better.",
             size.plants, size.tuning
         ),
         entries,
