@@ -1,17 +1,17 @@
 //! `flash`: gains onto a board.
 
 use super::{print, print_json};
-use crate::board;
 use crate::error::{Failure, Outcome};
-use crate::flash;
-use crate::gains_file::GainsFile;
-use crate::output;
-use crate::rig;
+use crate::files;
+use crate::files::output;
+use crate::serial;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::store::AREA_ADDRESS;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_station::image;
 
 /// Flags of `flash`.
 #[derive(Debug, clap::Args)]
@@ -51,11 +51,11 @@ struct Document {
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
-    let gains = GainsFile::load(&args.gains)?;
-    let named = rig::load(preset(args, &gains)?)?;
+    let gains = files::gains("GAINS", &args.gains)?;
+    let named = files::rig(preset(args, &gains)?)?;
     let mut parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.checked = args.checked;
-    let image = flash::image(&parameters)?;
+    let image = image::image(&parameters)?;
     let warning = not_a_rig(&named.name, &gains);
     if let Some(warning) = &warning {
         eprintln!("warning: {warning}");
@@ -104,7 +104,7 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
     output::check("--image", path)?;
     let bytes = match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => image.to_vec(),
-        Some("hex") => flash::intel_hex(image).into_bytes(),
+        Some("hex") => image::intel_hex(image).into_bytes(),
         _ => {
             return Err(Failure::Input(format!(
                 "--image is '{}'; allowed: a file that ends in .bin or .hex",
@@ -117,7 +117,7 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
 }
 
 fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
-    let mut board = board::open(name)?;
+    let mut board = serial::open(name)?;
     let identity = board.identify()?;
     board.write(parameters)?;
     Ok(format!(

@@ -4,13 +4,13 @@ use super::measure::{effort, errors, fly};
 use super::search::{Searches, objective};
 use super::{Entry, Picture, Section, Verdict, entry};
 use crate::error::Outcome;
-use crate::flight::{Flight, Row};
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::plot::{Figure, Line, Panel, Stroke};
 use rayon::prelude::*;
 use twinrotor::gains::{self, AxisGains, Gains};
 use twinrotor::plant::presets::PAPER;
+use twinrotor_plot::{Figure, Line, Panel, Stroke};
+use twinrotor_sim::flight::{Flight, Row};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
 
 /// Every claim in words.
 pub(super) fn claims(searches: &Searches, seed: u64) -> Outcome<Section> {
@@ -75,7 +75,7 @@ fn clamped(file: &GainsFile) -> Outcome<[usize; 3]> {
         r.volts.main.abs() >= 0.999 * limit.main || r.volts.tail.abs() >= 0.999 * limit.tail
     };
     let slowest = gains.to_paper_order().into_iter().fold(f64::INFINITY, f64::min);
-    let promised = libm::exp(-2.0 * slowest * crate::scenario::SAMPLE_TIME);
+    let promised = libm::exp(-2.0 * slowest * twinrotor_sim::scenario::SAMPLE_TIME);
     let ticks: Vec<usize> = (0..m.len() - 1).filter(|k| at_limit(&flown.rows[*k])).collect();
     let count = |of: &dyn Fn(usize) -> bool| ticks.iter().filter(|k| of(**k)).count();
     let rises = count(&|k| m[k + 1] > m[k] * (1.0 + 1e-6));

@@ -2,8 +2,8 @@
 
 use super::{Entry, Picture, Report, Section, Verdict};
 use crate::error::Outcome;
-use crate::plot::{COLOURS, GRID, Layout, SOFT};
 use std::fmt::Write;
+use twinrotor_plot::{COLOURS, Colour, GRID, Layout, SOFT};
 
 const STYLE: &str = include_str!("style.css");
 
@@ -13,7 +13,7 @@ fn escaped(text: &str) -> String {
 
 /// A drawing in the colours of the page, which are other ones in the dark.
 fn themed(svg: &str) -> String {
-    let hex = |c: &plotters::style::RGBColor| format!("\"#{:02X}{:02X}{:02X}\"", c.0, c.1, c.2);
+    let hex = |c: &Colour| format!("\"#{:02X}{:02X}{:02X}\"", c.0, c.1, c.2);
     let fixed = [
         ("\"#FFFFFF\"".to_owned(), "paper".to_owned()),
         ("\"#000000\"".to_owned(), "ink".to_owned()),

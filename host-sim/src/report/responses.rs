@@ -4,18 +4,20 @@ use super::measure::{errors, fly, fly_in, peak_deg, pitch, rms_deg, settled, yaw
 use super::{Picture, Section, Size, Verdict, entry};
 use crate::error::Outcome;
 use crate::figures;
-use crate::flight::{Fidelity, Flight};
-use crate::gains_file::GainsFile;
-use crate::plot::Figure;
-use crate::robust;
-use crate::scenario::Scenario;
+use crate::files;
 use rayon::prelude::*;
 use twinrotor::plant::presets::{self, PAPER, Rig};
+use twinrotor_plot::Figure;
+use twinrotor_plot::flight::flight as flight_figure;
+use twinrotor_sim::flight::{Fidelity, Flight};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::robust;
 
 /// \[rad\] The step of section 5.
 const STEP: [f64; 2] = [15.0 * core::f64::consts::PI / 180.0, 40.0 * core::f64::consts::PI / 180.0];
 
-/// The panels of a flight that `wanted` names by their place in [`figures::flight`].
+/// The panels of a flight that `wanted` names by their place in [`flight_figure`].
 fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure {
     // Jumps come at whole seconds: what is left out is smooth.
     let thin = if until > 10.0 { 10 } else { 1 };
@@ -23,7 +25,7 @@ fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure 
         rows: flight.rows.iter().copied().step_by(thin).filter(|r| r.time <= until).collect(),
         report: flight.report,
     };
-    let whole = figures::flight(title, &shown, PAPER.volts_limit);
+    let whole = flight_figure(title, &shown, PAPER.volts_limit);
     Figure { panels: wanted.iter().map(|k| whole.panels[*k].clone()).collect(), ..whole }
 }
 
@@ -263,8 +265,8 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
     let square = fly(&PAPER, &GainsFile::paper(), "3-square", seed)?;
     let rms = |range| (rms_deg(&constant, range, pitch), rms_deg(&constant, range, yaw));
     let (during, after) = (rms([3.0, 20.0]), rms([25.0, 41.0]));
-    let scenario = Scenario::load("3")?;
-    let disturbance = scenario.disturbance.unwrap_or(crate::scenario::Disturbance {
+    let scenario = files::scenario("3")?;
+    let disturbance = scenario.disturbance.unwrap_or(twinrotor_sim::scenario::Disturbance {
         volts: 0.0,
         hold: 0.0,
         window: [0.0; 2],
@@ -335,7 +337,7 @@ fn disturbances(flown: &Flight) -> Figure {
 /// What the paper leaves out: many plants, in the rig's world.
 pub(super) fn fan(size: Size, seed: u64) -> Outcome<Section> {
     let draws = robust::draw(&PAPER, size.fan, seed);
-    let mut step = Scenario::load("step")?;
+    let mut step = Scenario::named("step")?;
     step.duration = 3.0;
     let fly_one = |draw: &robust::Draw| {
         let rig = Rig { plant: draw.plant, ..PAPER };

@@ -3,18 +3,18 @@
 use super::{Entry, Picture, Section, Size, Verdict, entry};
 use crate::error::{Failure, Outcome};
 use crate::figures;
-use crate::flight::Fidelity;
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::objective::Objective;
-use crate::optimise::{ALGORITHMS, Algorithm, Bounds, Candidate, Draws, Optimiser, Setup, Variant};
-use crate::peers::{Peer, best_known, standings};
-use crate::plot::{Figure, Line, Panel, Stroke};
-use crate::scenario::Scenario;
-use crate::tuner::Problem;
 use rayon::prelude::*;
 use twinrotor::gains;
 use twinrotor::plant::presets::PAPER;
+use twinrotor_plot::{Figure, Line, Panel, Stroke};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::contest::{Peer, best_known, standings};
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::{ALGORITHMS, Algorithm, Bounds, Candidate, Draws, Optimiser, Setup, Variant};
+use twinrotor_tune::search::Problem;
 
 /// What the searches found.
 #[derive(Debug)]
@@ -31,11 +31,11 @@ pub(super) struct Searches {
 }
 
 pub(super) fn objective(criterion: Criterion) -> Outcome<Objective> {
-    Ok(Objective::new(criterion, &PAPER, &Scenario::load("step")?, Fidelity::Ideal, 1))
+    Ok(Objective::new(criterion, &PAPER, &Scenario::named("step")?, Fidelity::Ideal, 1))
 }
 
 fn bounds() -> Outcome<Bounds> {
-    Bounds::new(vec![gains::PAPER_BOUNDS; 4]).map_err(Failure::Input)
+    Ok(Bounds::new(vec![gains::PAPER_BOUNDS; 4])?)
 }
 
 /// The budget of Table 2.
@@ -50,7 +50,7 @@ pub(super) fn searches(size: Size, seed: u64) -> Outcome<Searches> {
         Peer::search(name, &setup, &bounds, seed..seed + size.seeds, &ise, &|_| true)
     };
     let peers = ALGORITHMS.par_iter().map(peer).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)?;
-    let tune = |criterion| {
+    let tune = |criterion| -> Outcome<GainsFile> {
         let problem = objective(criterion)?;
         let peer = Peer::search("fpa-paper", &TABLE_2, &bounds, seed..seed + 1, &problem, &|_| true);
         Ok(Objective::controller(&peer.ok_or(Failure::Interrupted)?.best().position))
@@ -72,7 +72,7 @@ pub(super) fn table_1(searches: &Searches) -> Section {
     };
     let cheapest = ["ga", "pso", "gwo"].map(needed).into_iter().fold(f64::INFINITY, f64::min);
     let ours = needed("fpa-paper");
-    let row = |s: &crate::peers::Standing| {
+    let row = |s: &twinrotor_tune::contest::Standing| {
         let count = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.0}"));
         entry(
             &s.name,

@@ -3,17 +3,19 @@
 use super::measure::fly;
 use super::search::{Searches, objective};
 use super::{Section, Size, Verdict, entry};
-use crate::error::{Outcome, known_name};
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::optimise::{Algorithm, Setup, Variant};
-use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Plan, Robust, Row, Score, Trial};
-use crate::tunable::Tunable;
-use crate::tuner::{Conduct, Search};
+use crate::error::Outcome;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::gains::{self, NAMES};
 use twinrotor::plant::presets::{AERO, PAPER};
+use twinrotor_sim::error::known_name;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::optimise::{Algorithm, Setup, Variant};
+use twinrotor_tune::robust::{self, Plan, Robust, Row, Score, Trial};
+use twinrotor_tune::search::Search;
+use twinrotor_tune::tunable::Tunable;
 
 /// Constants, taken as printed.
 pub(super) fn table_3() -> Outcome<Section> {
@@ -124,7 +126,7 @@ fn tuned(design: &str, size: Size, trial: &Trial, seed: u64) -> Outcome<Controll
     };
     let plan = Plan { setup, rounds: 1, range: 4.0, seed };
     let mut search = Search::new(String::new(), plan.start(tunable.names().len()));
-    search.run(&Robust::new(trial, &tunable), &Conduct::to_the_end())?;
+    search.to_the_end(&Robust::new(trial, &tunable));
     let best = search.best().expect("the start is evaluated first");
     Ok(tunable.controller(&best.position))
 }
@@ -135,8 +137,9 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
     let allowance = robust::allowance(&named.name, &named.rig);
     let training = Trial::new(&PAPER, 16, seed, allowance);
     let unseen = Trial::new(&PAPER, size.plants, 1_000_000 + seed, allowance);
-    let rival =
-        |name, words, design| Ok(Rival { name, words, controller: tuned(design, size, &training, seed)? });
+    let rival = |name, words, design| {
+        Outcome::Ok(Rival { name, words, controller: tuned(design, size, &training, seed)? })
+    };
     let list: Vec<Rival> = vec![
         Rival {
             name: "Proposed: backstepping + FPA, Table 4",

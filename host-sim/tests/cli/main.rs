@@ -181,7 +181,7 @@ fn simulate_writes_a_row_a_tick_and_a_picture() {
 #[test]
 fn a_preset_and_a_scenario_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
-    let rig = host_sim::rig::to_toml(&twinrotor::plant::presets::AERO2);
+    let rig = twinrotor_sim::rig::to_toml(&twinrotor::plant::presets::AERO2);
     fs::write(folder.path().join("mine.toml"), rig).unwrap();
     let scenario = "duration = 2.0\n[pitch.steps]\njumps = [[0.5, 5.0]]\n[yaw.sine]\namplitude_deg = \
         10.0\nfrequency = 1.0\n";

@@ -1,9 +1,5 @@
 //! A scenario flown on the board by an operator's hand, and what the board's telemetry said of it.
 
-use host_sim::closed_loop::Tick;
-use host_sim::flight::{Flight, Row};
-use host_sim::metrics::Metrics;
-use host_sim::scenario::Scenario;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::estimator::Estimate;
@@ -16,6 +12,10 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
+use twinrotor_sim::closed_loop::Tick;
+use twinrotor_sim::flight::{Flight, Row};
+use twinrotor_sim::metrics::Metrics;
+use twinrotor_sim::scenario::Scenario;
 
 use crate::helicopter::Helicopter;
 use crate::machine::Failure;
