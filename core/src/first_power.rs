@@ -8,9 +8,10 @@
 //! encoders; the verdict names the motors.
 
 use crate::axes::{PerAxis, PerMotor};
+use crate::bench::{Bench, Faults};
 use crate::parameters::{Parameters, SAMPLE_TIME};
+use crate::plant::PlantParameters;
 use crate::plant::presets::Rig;
-use crate::plant::{PlantParameters, RealPlant, State};
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
@@ -44,36 +45,32 @@ impl Push {
     /// reaction of a rotor that starts to turn may outweigh its thrust, and a nose that its weight pulls down
     /// lies on something.
     pub fn predicted(rig: &Rig, volts: PerMotor<f64>) -> PerMotor<Self> {
-        let push = |volts, own: fn(f64) -> PerMotor<f64>, other: fn(f64) -> PerMotor<f64>| Self {
-            volts: f32::from_f64(volts),
-            motion: motion(rig, own(volts)),
-            swapped: motion(rig, other(volts)),
-            reversed: motion(rig, own(-volts)),
+        let right = Faults::default();
+        let swapped = Faults { motors_swapped: true, ..right };
+        let reversed = Faults { motor_reversed: PerMotor::both(true), ..right };
+        let push = |volts: PerMotor<f64>| Self {
+            volts: f32::from_f64(volts.main + volts.tail),
+            motion: motion(rig, volts, right),
+            swapped: motion(rig, volts, swapped),
+            reversed: motion(rig, volts, reversed),
         };
-        let main = |volts| PerMotor::new(volts, 0.0);
-        let tail = |volts| PerMotor::new(0.0, volts);
-        PerMotor::new(push(volts.main, main, tail), push(volts.tail, tail, main))
+        PerMotor::new(push(PerMotor::new(volts.main, 0.0)), push(PerMotor::new(0.0, volts.tail)))
     }
 }
 
 /// \[rad\] How far `volts` turn the rig from its rest pose until a push ends.
-fn motion(rig: &Rig, volts: PerMotor<f64>) -> PerAxis<f32> {
-    let rest = State::at_rest(rig.rest_angle);
-    let lies = rig.plant.center_of_mass > 0.0;
+fn motion(rig: &Rig, volts: PerMotor<f64>, faults: Faults) -> PerAxis<f32> {
+    let nose_heavy = rig.plant.center_of_mass > 0.0;
     // A nose that is too light is held; only one that is too heavy lies by itself.
-    let gravity = if lies { rig.plant.gravity } else { 0.0 };
-    let constants = PlantParameters { gravity, ..rig.plant };
-    let mut plant = RealPlant::<f64>::new(&constants, rest, SAMPLE_TIME);
+    let gravity = if nose_heavy { rig.plant.gravity } else { 0.0 };
+    let rig = Rig { plant: PlantParameters { gravity, ..rig.plant }, ..*rig };
+    let mut bench = Bench::<f64>::at_rest(&rig, SAMPLE_TIME);
+    bench.set_table(true);
+    bench.faults = faults;
     let mut moved = PerAxis::zero();
     for _ in 0..PUSH_TICKS {
-        plant.advance(volts, PerMotor::zero());
-        let mut body = plant.state();
-        if lies && body.angle.pitch < rest.angle.pitch {
-            body.angle.pitch = rest.angle.pitch;
-            body.rate.pitch = 0.0;
-            plant = RealPlant::assemble(constants, *plant.rotors(), body, SAMPLE_TIME);
-        }
-        moved = body.angle.minus(rest.angle).cast();
+        bench.advance(volts, true);
+        moved = bench.state().angle.minus(rig.rest_angle).cast();
         if farthest(moved) > FAR_ENOUGH {
             break;
         }

@@ -82,6 +82,8 @@ pub mod control_loop;
 pub mod pipeline;
 pub mod replay;
 
+pub mod bench;
+
 pub mod defaults;
 pub mod link;
 pub mod parameters;
