@@ -50,7 +50,6 @@
 extern crate std;
 
 pub mod real;
-pub mod trig;
 
 pub mod axes;
 pub mod compensated;
@@ -87,6 +86,9 @@ pub mod bench;
 pub mod defaults;
 pub mod link;
 pub mod parameters;
+
+/// \[s\] From tick to tick, on a board and wherever one is simulated: 1 kHz.
+pub const SAMPLE_TIME: f64 = 1e-3;
 
 /// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in
 /// degrees.

@@ -1,9 +1,9 @@
 use super::*;
+use crate::SAMPLE_TIME;
 use crate::bench::{Bench, Faults};
 use crate::first_power::{Fault, SETTLE_TICKS};
 use crate::gains::{AxisGains, Gains};
 use crate::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
-use crate::parameters::SAMPLE_TIME;
 use crate::pipeline::Settings;
 use crate::plant::RealPlant;
 use crate::plant::presets::{self, Rig};

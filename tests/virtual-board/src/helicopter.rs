@@ -1,9 +1,9 @@
 //! The rig at the end of the board's cables: the core's simulated bench, and what the board's pins and
 //! converter make of it.
 
+use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Bench, Faults};
-use twinrotor::parameters::SAMPLE_TIME;
 use twinrotor::plant::{State, presets};
 use twinrotor::real::Real;
 

@@ -13,7 +13,7 @@
 //! The polynomial wins: libm needs double precision, which the board does not have, and micromath's error
 //! is a thousand times the quantisation that a test against `f64` would forgive.
 
-use crate::real::{Mask, Real};
+use super::{Mask, Real};
 use core::hint::cold_path;
 
 /// 2/pi.
