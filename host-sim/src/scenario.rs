@@ -11,7 +11,8 @@ use std::fs;
 use std::path::Path;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::real::Real;
-use twinrotor::reference::{MAX_JUMPS, Profile, Reference, Trajectory, ticks};
+use twinrotor::reference::Reference;
+use twinrotor::trajectory::{MAX_JUMPS, Profile, Trajectory, ticks};
 
 pub use twinrotor::SAMPLE_TIME;
 

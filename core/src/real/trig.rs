@@ -33,7 +33,7 @@ const FIRST_QUADRANT: f64 = 0.785;
 /// Sine and cosine of `x` \[rad\] in single precision.
 ///
 /// Good for |x| up to 8,000 rad; beyond that accuracy fades (references are reduced before they get here,
-/// see [`crate::reference`]). NaN and infinity give NaN.
+/// see [`crate::trajectory`]). NaN and infinity give NaN.
 ///
 /// Where all lanes are in the first quadrant, as a helicopter's pitch is, nothing is reduced or exchanged.
 /// The bits are those of the whole routine: with a quadrant of zero it would subtract three zeros and choose
