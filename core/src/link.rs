@@ -267,9 +267,9 @@ fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, LinkError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SAMPLE_TIME;
     use crate::axes::{PerAxis, PerMotor};
     use crate::gains;
-    use crate::parameters::SAMPLE_TIME;
     use crate::pipeline::Settings;
     use crate::plant::presets;
     use crate::reference::Reference;
