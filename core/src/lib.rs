@@ -52,6 +52,9 @@ extern crate std;
 pub mod real;
 pub mod trig;
 
+#[macro_use]
+pub mod settings;
+
 pub mod axes;
 pub mod compensated;
 pub mod validate;
