@@ -5,7 +5,7 @@
 /// [`ControlLaw`](super::ControlLaw) made from the gains in brackets.
 macro_rules! laws {
     ($( $(#[doc = $doc:literal])+ $kind:literal $law:ident($gains:ty); )+) => {
-        $crate::settings::choice! {
+        choice! {
             /// Which law, and its gains: what a gains file holds under `controller`, and beside it.
             pub enum LawSettings<R> {
                 $( $(#[doc = $doc])+ $kind $law(gains: $gains) by $gains; )+

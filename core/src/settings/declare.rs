@@ -33,7 +33,7 @@ macro_rules! settings {
             )+
         }
 
-        $crate::settings::table! {
+        table! {
             [<R>] [$name<R>] at ($($place),+) {
                 $( $(#[doc = $doc])+ $field: ($($type)+) $unit, $range, typical $low to $high, default $default; )+
             }
