@@ -14,7 +14,7 @@ use crate::axes::PerAxis;
 use crate::estimator::Estimate;
 use crate::gains::{AxisGains, Gains};
 use crate::plant::Effectiveness;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 use crate::reference::Reference;
 
 /// Eqs (26)-(27).
@@ -67,6 +67,10 @@ impl<R: Real> ControlLaw<R> for Backstepping<R> {
 
     fn start(gains: Self::Gains, _effectiveness: Effectiveness<R>, _sample_time: R) -> Self {
         Self::new(gains)
+    }
+
+    fn integrates(_gains: &Self::Gains) -> R::Mask {
+        R::Mask::splat(false)
     }
 
     #[inline(always)]

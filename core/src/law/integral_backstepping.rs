@@ -61,6 +61,10 @@ impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
         Self::new(gains, sample_time)
     }
 
+    fn integrates(gains: &Self::Gains) -> R::Mask {
+        R::zero().lt(gains.pitch.integral + gains.yaw.integral)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let (error, slope) = (now.angle_error(), now.rate_error());

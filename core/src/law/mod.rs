@@ -9,6 +9,8 @@ mod state_feedback;
 mod super_twisting;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod toy;
 
 pub use backstepping::{Backstepping, Errors};
 pub use integral_backstepping::{IntegralBackstepping, IntegralGains};
@@ -75,6 +77,9 @@ pub trait ControlLaw<R: Real>: Sized {
 
     /// The torque \[N m\] that the law asks for, whether or not the motors can give it.
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R>;
+
+    /// Has it, with these gains, an integral of the error?
+    fn integrates(gains: &Self::Gains) -> R::Mask;
 
     /// Forgets the past, before a new start.
     #[inline(always)]

@@ -43,6 +43,10 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
         Self::new(gains, sample_time)
     }
 
+    fn integrates(gains: &Self::Gains) -> R::Mask {
+        R::zero().lt(gains.pitch.integral + gains.yaw.integral)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let proportional = self.gains.zip(now.angle_error(), |g, e| g.proportional * e);

@@ -35,6 +35,10 @@ macro_rules! laws {
                 }
             }
 
+            fn integrates(gains: &LawSettings<R>) -> R::Mask {
+                match gains { $( LawSettings::$law(gains) => $law::integrates(gains), )+ }
+            }
+
             #[inline(always)]
             fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
                 match self { $( Self::$law(law) => law.torque(now), )+ }

@@ -63,6 +63,10 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
         Self::new(gains, effectiveness, sample_time)
     }
 
+    fn integrates(gains: &Self::Gains) -> R::Mask {
+        R::zero().lt(gains.integral_limit)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let volts = product(&self.gains.angle, now.angle_error())

@@ -10,7 +10,7 @@ use super::{ControlLaw, Situation};
 use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::plant::Effectiveness;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 
 settings! {
     /// The gains of one axis.
@@ -54,6 +54,10 @@ impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
 
     fn start(gains: Self::Gains, _effectiveness: Effectiveness<R>, sample_time: R) -> Self {
         Self::new(gains, sample_time)
+    }
+
+    fn integrates(_gains: &Self::Gains) -> R::Mask {
+        R::Mask::splat(true)
     }
 
     #[inline(always)]

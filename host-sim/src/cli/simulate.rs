@@ -6,14 +6,22 @@ use crate::error::{Outcome, at_least};
 use crate::export::{self, Table};
 use crate::figures;
 use crate::flight::{self, Fidelity, Plan, Scalar};
-use crate::gains_file::{Controller, GainsFile};
+use crate::gains_file::GainsFile;
 use crate::metrics::Report;
 use crate::output;
 use crate::plot;
 use crate::scenario::{Disturbance, Scenario};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::axes::PerAxis;
+use twinrotor::law::LawSettings;
+
+/// The laws there are, each with what it is.
+fn laws() -> PossibleValuesParser {
+    let kinds = LawSettings::<f64>::KINDS.iter();
+    PossibleValuesParser::new(kinds.map(|kind| PossibleValue::new(kind.name).help(kind.doc)))
+}
 
 /// Flags of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -24,8 +32,8 @@ pub(super) struct Args {
     #[arg(long, default_value = "paper", value_name = "paper|FILE")]
     gains: String,
     /// Refuse gains that are of another controller
-    #[arg(long)]
-    controller: Option<Controller>,
+    #[arg(long, value_parser = laws())]
+    controller: Option<String>,
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
     #[arg(long, default_value = "step")]
     scenario: String,
@@ -79,7 +87,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let scenario = scenario(args)?;
     let gains = GainsFile::load(&args.gains)?;
-    gains.require(args.controller)?;
+    gains.require(args.controller.as_deref())?;
     let [pitch, yaw] = pair("--initial", &args.initial)?.map(f64::to_radians);
     if let Some(path) = &args.plot {
         plot::check("--plot", path)?;
