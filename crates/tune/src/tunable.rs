@@ -1,51 +1,61 @@
 //! A controller as a vector of numbers: any of them can be tuned.
 //!
-//! Parameters are called as a gains file spells them, with dots: `pitch.position`,
-//! `estimator.luenberger.bandwidth.yaw`, `filter.bandwidth.pitch`. A search goes over their logarithms,
-//! around a controller to start from, since a gain's range spans factors, not differences.
+//! Parameters have the names of the core's table of settings: `pitch.position`, `estimator.bandwidth.yaw`,
+//! `filter.bandwidth.pitch`. A search goes over their logarithms, around a controller to start from, since a
+//! gain's range spans factors, not differences.
 
-use toml::Value;
 use twinrotor::controller::ControllerSettings;
-use twinrotor_sim::gains_file::GainsFile;
+use twinrotor::gains;
+use twinrotor::settings::{Field, Range};
 use twinrotor_sim::{Error, Outcome};
 
 /// Which parameters of a controller are tuned, and where the search begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tunable {
-    template: Value,
-    names: Vec<String>,
+    template: ControllerSettings<f64>,
+    fields: Vec<&'static Field>,
     start: Vec<f64>,
 }
 
 impl Tunable {
-    /// All parameters of `controller` that are not zero but the filter's reach, of which a single step shows
-    /// nothing; or those that begin with one of `chosen` (`pitch` means all of pitch).
+    /// All parameters of `controller` that are not zero, or those that begin with one of `chosen` (`pitch`
+    /// means all of pitch). Only tuned when they are named: the filter's reach, of which a single step shows
+    /// nothing, and the estimator where it is the laboratories'.
     ///
     /// # Errors
     ///
     /// If the controller has no parameter that begins with one of `chosen`.
     pub fn new(controller: &ControllerSettings<f64>, chosen: &[String]) -> Outcome<Self> {
-        let file = GainsFile { controller: *controller, provenance: None };
-        let template = Value::try_from(file).expect("gains are made of tables and numbers");
         let mut all = Vec::new();
-        collect(&template, "", &mut all);
+        controller.visit(|field, value| {
+            if field.range != Range::Switch {
+                all.push((field, value));
+            }
+        });
+        all.sort_by_key(|(field, _)| field.name);
         for wanted in chosen {
-            if !all.iter().any(|(name, _)| belongs(name, wanted)) {
-                let known: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+            if !all.iter().any(|(field, _)| belongs(field.name, wanted)) {
+                let known: Vec<&str> = all.iter().map(|(field, _)| field.name).collect();
                 return Err(Error::invalid("parameters", format_args!("'{wanted}'"), known.join(", ")));
             }
         }
+        let given = controller.estimator == ControllerSettings::paper(gains::PAPER).estimator;
         let wanted = |name: &str| match chosen {
-            [] => !belongs(name, "filter.reach"),
+            [] => !belongs(name, "filter.reach") && !(given && belongs(name, "estimator")),
             _ => chosen.iter().any(|c| belongs(name, c)),
         };
-        let (names, start) = all.into_iter().filter(|(name, x)| *x != 0.0 && wanted(name)).unzip();
-        Ok(Self { template, names, start })
+        let (fields, start) = all.into_iter().filter(|(field, x)| *x != 0.0 && wanted(field.name)).unzip();
+        Ok(Self { template: *controller, fields, start })
+    }
+
+    /// What the coordinates are: name, unit, range.
+    pub fn fields(&self) -> &[&'static Field] {
+        &self.fields
     }
 
     /// What the coordinates are called.
-    pub fn names(&self) -> &[String] {
-        &self.names
+    pub fn names(&self) -> Vec<&'static str> {
+        self.fields.iter().map(|field| field.name).collect()
     }
 
     /// The values that the search begins with.
@@ -55,35 +65,18 @@ impl Tunable {
 
     /// The controller at a position: the factor on each start value is exp(coordinate).
     pub fn controller(&self, position: &[f64]) -> ControllerSettings<f64> {
-        let mut value = self.template.clone();
-        for ((name, start), x) in self.names.iter().zip(&self.start).zip(position) {
-            if let Some(number) = at(&mut value, name) {
-                *number = Value::Float(start * libm::exp(*x));
-            }
-        }
-        value.try_into::<GainsFile>().expect("other numbers in the same tables").controller
+        let mut controller = self.template;
+        controller.change(|field, value| {
+            let coordinate = self.fields.binary_search_by_key(&field.name, |f| f.name);
+            let factor = coordinate.ok().and_then(|k| position.get(k)).map(|x| libm::exp(*x));
+            factor.map_or(value, |factor| value * factor)
+        });
+        controller
     }
 }
 
 fn belongs(name: &str, wanted: &str) -> bool {
     name.strip_prefix(wanted).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-}
-
-fn collect(value: &Value, path: &str, found: &mut Vec<(String, f64)>) {
-    match value {
-        Value::Float(x) => found.push((path.to_owned(), *x)),
-        Value::Table(table) => {
-            for (key, inner) in table {
-                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                collect(inner, &path, found);
-            }
-        }
-        _ => {}
-    }
-}
-
-fn at<'a>(value: &'a mut Value, path: &str) -> Option<&'a mut Value> {
-    path.split('.').try_fold(value, |value, key| value.as_table_mut()?.get_mut(key))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What can be chosen by name on the command line, and what it means to the crates that compute.
 
 use clap::ValueEnum;
-use twinrotor_sim::{flight, gains_file};
+use twinrotor_sim::flight;
 
 /// Declares choices that mirror those of a library, in its order.
 macro_rules! mirror {
@@ -35,21 +35,5 @@ mirror! {
         F32,
         /// To verify
         F64,
-    }
-}
-
-mirror! {
-    /// The laws there are.
-    Controller of gains_file::Controller {
-        /// Eqs (26)-(27)
-        Backstepping,
-        /// The same with an integral
-        IntegralBackstepping,
-        /// PID for each axis
-        Pid,
-        /// PD, LQR, LQI in volts
-        StateFeedback,
-        /// Second-order sliding mode
-        SuperTwisting,
     }
 }

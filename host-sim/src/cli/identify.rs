@@ -257,11 +257,8 @@ fn gains(args: &Args, named: &NamedRig) -> Outcome<GainsFile> {
     if let Some(name) = &args.gains {
         return files::gains("--gains", name);
     }
-    let own = twinrotor::defaults::ALL.iter().find(|(name, _)| *name == named.name);
-    Ok(own.map_or_else(GainsFile::paper, |(_, controller)| GainsFile {
-        controller: *controller,
-        provenance: None,
-    }))
+    let own = twinrotor::defaults::named(&named.name);
+    Ok(own.map_or_else(GainsFile::paper, |controller| GainsFile { controller, provenance: None }))
 }
 
 /// The preset, with where it came from as a comment.

@@ -8,15 +8,23 @@ use crate::files;
 use crate::files::export::{self, Table};
 use crate::files::figure;
 use crate::files::output;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::axes::PerAxis;
+use twinrotor::law::LawSettings;
 use twinrotor_plot::flight::flight as flight_figure;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::flight::{self, Fidelity, Plan, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Report;
 use twinrotor_sim::scenario::{Disturbance, Scenario};
+
+/// The laws there are, each with what it is.
+fn laws() -> PossibleValuesParser {
+    let kinds = LawSettings::<f64>::KINDS.iter();
+    PossibleValuesParser::new(kinds.map(|kind| PossibleValue::new(kind.name).help(kind.doc)))
+}
 
 /// Flags of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -27,8 +35,8 @@ pub(super) struct Args {
     #[arg(long, default_value = "paper", value_name = "paper|FILE")]
     gains: String,
     /// Refuse gains that are of another controller
-    #[arg(long)]
-    controller: Option<choices::Controller>,
+    #[arg(long, value_parser = laws())]
+    controller: Option<String>,
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
     #[arg(long, default_value = "step")]
     scenario: String,
@@ -82,7 +90,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let scenario = scenario(args)?;
     let gains = files::gains("--gains", &args.gains)?;
-    gains.require(args.controller.map(Into::into)).map_err(Failure::of_flag)?;
+    gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
     let [pitch, yaw] = pair("--initial", &args.initial)?.map(f64::to_radians);
     if let Some(path) = &args.plot {
         figure::check("--plot", path)?;

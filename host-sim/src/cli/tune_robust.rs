@@ -121,8 +121,11 @@ fn summary(
     );
     let mut table = tables::table(&["", "start", "tuned"]);
     let found = Tunable::new(found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
-    for ((name, start), found) in tunable.names().iter().zip(tunable.start()).zip(found) {
-        tables::add(&mut table, [name.clone(), format!("{start:.4}"), format!("{found:.4}")]);
+    for ((field, start), found) in tunable.fields().iter().zip(tunable.start()).zip(found) {
+        tables::add(
+            &mut table,
+            [format!("{} [{}]", field.name, field.unit), format!("{start:.4}"), format!("{found:.4}")],
+        );
     }
     let mean = |scores: &[robust::Score]| Terms::mean(scores.iter().map(robust::Score::terms));
     let (old, new) = (mean(before), mean(after));

@@ -28,8 +28,7 @@ pub fn papers(rig: &Rig) -> Parameters {
 pub fn tuned(preset: &str) -> (Rig, Parameters) {
     let of = |(name, _): &(&str, _)| *name == preset;
     let (_, rig) = presets::ALL.into_iter().find(of).expect("a preset");
-    let of = |(name, _): &(&str, _)| *name == preset;
-    let (_, controller) = defaults::ALL.into_iter().find(of).expect("every preset has a controller");
+    let controller = defaults::named(preset).expect("every preset has a controller");
     (rig, checked(&rig, &Settings::new(&rig, controller, SAMPLE_TIME)))
 }
 

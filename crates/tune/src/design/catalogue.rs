@@ -24,7 +24,7 @@ use twinrotor::controller::ControllerSettings;
 use twinrotor::estimator::EstimatorSettings;
 use twinrotor::gains;
 use twinrotor::law::{
-    IntegralGains, LawSettings, MotorGains, PidGains, StateFeedbackGains, SuperTwistingGains,
+    ControlLaw, IntegralGains, Law, LawSettings, MotorGains, PidGains, StateFeedbackGains, SuperTwistingGains,
 };
 use twinrotor::lead::Lead;
 use twinrotor::plant::presets::Rig;
@@ -198,13 +198,7 @@ fn cancelling(rig: &Rig) -> ControllerSettings<f64> {
 /// What a controller has beyond its law, in words.
 pub fn uses(controller: &ControllerSettings<f64>) -> Vec<&'static str> {
     let ControllerSettings { law, estimator, filter, allocation, lead, cancellation } = controller;
-    let integrates = match law {
-        LawSettings::Backstepping(_) => false,
-        LawSettings::IntegralBackstepping(g) => g.pitch.integral + g.yaw.integral > 0.0,
-        LawSettings::Pid(g) => g.pitch.integral + g.yaw.integral > 0.0,
-        LawSettings::StateFeedback(g) => g.integral_limit > 0.0,
-        LawSettings::SuperTwisting(_) => true,
-    };
+    let integrates = Law::integrates(law);
     let mut list = vec![match estimator {
         EstimatorSettings::FilteredDerivative { .. } => "filtered derivative",
         EstimatorSettings::Luenberger { .. } => "Luenberger observer",
