@@ -6,9 +6,9 @@ use rigless::soc::Bus;
 use rigless::soc::stm32f427::generated;
 use rigless::time::VirtualNanos;
 
+use super::Stm32f405;
 use super::assembly::Field;
 use super::flash::Flash;
-use super::Stm32f405;
 
 /// `RCC_CSR` after a power-on: PORRSTF, PINRSTF, BORRSTF, 7.3.21.
 const POWER_ON_FLAGS: u64 = 0x0E00_0000;
