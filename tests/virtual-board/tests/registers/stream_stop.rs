@@ -17,7 +17,7 @@ const CONTROL: u64 = 4 << 25 | 1 << 10 | 1 << 8 | 1 << 4;
 const EN: u64 = 1;
 
 /// USART2 at 1 Mbaud whose words a circular stream takes to the RAM, eight to a lap.
-pub fn receiving(stream_stop: StreamStop) -> Whole {
+pub(crate) fn receiving(stream_stop: StreamStop) -> Whole {
     let mut whole = Whole::new(Settings { stream_stop, ..Settings::default() });
     whole.write(STREAM5 + 8, USART2 + 4);
     whole.write(STREAM5 + 12, 0x2000_0000);

@@ -8,10 +8,10 @@ use rigless::time::VirtualNanos;
 use virtual_board::chip::{SRAM, Settings, Stm32f405};
 use virtual_board::serial::Line;
 
-pub const RCC: u64 = 0x4002_3800;
-pub const RCC_CFGR: u64 = RCC + 0x08;
-pub const US: u64 = 1_000;
-pub const MS: u64 = 1_000_000;
+pub(crate) const RCC: u64 = 0x4002_3800;
+pub(crate) const RCC_CFGR: u64 = RCC + 0x08;
+pub(crate) const US: u64 = 1_000;
+pub(crate) const MS: u64 = 1_000_000;
 
 /// USART2.
 const PORT: usize = 1;
@@ -40,19 +40,19 @@ impl Memory for Ram {
 }
 
 /// The part, and the time.
-pub struct Whole {
-    pub part: Stm32f405,
+pub(crate) struct Whole {
+    pub(crate) part: Stm32f405,
     ram: Ram,
     now: u64,
     /// The interrupts that were raised.
-    pub raised: Vec<u16>,
+    pub(crate) raised: Vec<u16>,
     /// What a model asked to be reset for.
-    pub reset: Option<ResetCause>,
+    pub(crate) reset: Option<ResetCause>,
 }
 
 impl Whole {
     /// Out of power-on, like `settings`, every clock that the tests need enabled.
-    pub fn new(settings: Settings) -> Self {
+    pub(crate) fn new(settings: Settings) -> Self {
         let part = Stm32f405::new(1, settings).expect("the part");
         let ram = Ram(vec![0; usize::try_from(SRAM.1).expect("128 KiB")]);
         let mut whole = Self { part, ram, now: 0, raised: Vec::new(), reset: None };
@@ -64,17 +64,17 @@ impl Whole {
     }
 
     /// Now.
-    pub fn now(&self) -> VirtualNanos {
+    pub(crate) fn now(&self) -> VirtualNanos {
         VirtualNanos(self.now)
     }
 
     /// The serial line.
-    pub fn line(&mut self) -> &mut Line {
+    pub(crate) fn line(&mut self) -> &mut Line {
         self.part.serial(PORT).line().expect("attached")
     }
 
     /// A byte of the RAM, counted from its start.
-    pub fn ram(&self, nth: usize) -> u8 {
+    pub(crate) fn ram(&self, nth: usize) -> u8 {
         self.ram.0[nth]
     }
 
@@ -88,14 +88,14 @@ impl Whole {
     }
 
     /// The firmware writes a register.
-    pub fn write(&mut self, address: u64, value: u64) {
+    pub(crate) fn write(&mut self, address: u64, value: u64) {
         let at = self.now();
         self.part.write(at, address, Width::W32, value).expect("the bus takes it");
         self.settle();
     }
 
     /// The firmware reads a register.
-    pub fn read(&mut self, address: u64) -> u64 {
+    pub(crate) fn read(&mut self, address: u64) -> u64 {
         let at = self.now();
         let value = self.part.read(at, address, Width::W32).expect("the bus answers");
         self.settle();
@@ -103,7 +103,7 @@ impl Whole {
     }
 
     /// Time goes on, from event to event.
-    pub fn pass(&mut self, nanoseconds: u64) {
+    pub(crate) fn pass(&mut self, nanoseconds: u64) {
         let end = self.now + nanoseconds;
         let now = self.now();
         self.part.poll(now);
@@ -118,7 +118,7 @@ impl Whole {
     }
 
     /// Time until a model asks for a reset \[ns\], if it does within `limit`.
-    pub fn until_reset(&mut self, limit: u64) -> Option<u64> {
+    pub(crate) fn until_reset(&mut self, limit: u64) -> Option<u64> {
         let (start, step) = (self.now, MS / 10);
         while self.now < start + limit {
             self.pass(step);
@@ -130,7 +130,7 @@ impl Whole {
     }
 
     /// The part restarts.
-    pub fn restart(&mut self, cause: ResetCause) {
+    pub(crate) fn restart(&mut self, cause: ResetCause) {
         let at = self.now();
         self.part.reset(at, cause);
         self.settle();
