@@ -113,9 +113,13 @@ impl Dma {
         let left = self.streams[stream].left.take();
         let kept = left.filter(|&left| !self.reading.reloads && left > 0);
         if let Some(left) = kept {
-            let count = register(stream, COUNT);
+            let (control, count) = (register(stream, CONTROL), register(stream, COUNT));
+            let on = registers.get(control);
+            // The model takes a count only while the file says that the stream is off.
+            registers.set(control, s0cr::EN.set(on, 0));
             registers.set(count, s0ndtr::NDT.set(registers.get(count), left));
             self.pass((stream, COUNT), registers, context);
+            registers.set(control, on);
             self.streams[stream].short = left < self.streams[stream].programmed;
         }
         self.pass((stream, CONTROL), registers, context);
