@@ -3,11 +3,12 @@
 //!
 //! Modelled: the unlock keys, sector erase and programming with their durations, `PSIZE` and sequence
 //! errors, flags and `EOP`/`OPERR` behind their enables, write access to `CR` only while unlocked.
-//! The core stands still while an operation runs, since it fetches from the array being written: the
+//! The caches are followed as far as their registers go, see `cache`. The core stands still while an operation runs, since it fetches from the array being written: the
 //! machine around this model holds it for as long as [`Flash::busy`].
 //! Not modelled, and a run that asks for it fails: mass erase, option bytes, write protection.
 
 mod array;
+mod cache;
 
 use rigless::device::{Device, DeviceContext, RegisterFile};
 use rigless::soc::Width;
@@ -16,6 +17,7 @@ use rigless::time::{EventId, VirtualNanos};
 
 use array::Array;
 pub use array::{BASE, Operation, SIZE, sector};
+use cache::Cache;
 
 const CONTROL_AT_RESET: u64 = cr::LOCK.mask();
 const KEYS: [u64; 2] = [0x4567_0123, 0xCDEF_89AB];
@@ -62,6 +64,8 @@ pub struct Flash {
     /// How long the supply stays away after a cut [ns], set as it goes.
     pub outage: Option<u64>,
     returning: Option<EventId>,
+    /// The instruction and the data cache.
+    caches: [Cache; 2],
 }
 
 /// How long the supply stays away after a cut [ns].
@@ -81,12 +85,18 @@ impl Flash {
             log: Vec::new(),
             outage: None,
             returning: None,
+            caches: [Cache::default(); 2],
         }
     }
 
     /// Whether an operation runs, and the core with it stands still.
     pub fn busy(&self) -> bool {
         self.running.is_some()
+    }
+
+    /// Whether the instruction and the data cache may give the core a line from before the array changed.
+    pub fn serves_stale_lines(&self) -> [bool; 2] {
+        self.caches.map(|cache| cache.serves_stale_lines())
     }
 
     /// The array's bytes from `address` on.
@@ -147,6 +157,7 @@ impl Flash {
         self.control = CONTROL_AT_RESET;
         self.running = None;
         self.cutting = None;
+        self.caches = [Cache::default(); 2];
     }
 
     fn start(
@@ -157,6 +168,7 @@ impl Flash {
         context: &mut DeviceContext<'_>,
     ) {
         let started = context.now().0;
+        self.caches.iter_mut().for_each(Cache::array_changes);
         self.log.push((context.now(), operation));
         registers.set(Register::Sr, registers.get(Register::Sr) | sr::BSY.mask());
         if let Some(cut) = self.cuts.last_mut() {
@@ -231,7 +243,7 @@ impl Device for Flash {
         registers: &mut RegisterFile,
         _context: &mut DeviceContext<'_>,
     ) -> Option<u64> {
-        // ICRST is write only; nothing here follows the caches.
+        // ICRST is write only.
         (register == Register::Acr).then(|| acr::ICRST.set(registers.get(register), 0))
     }
 
@@ -245,7 +257,11 @@ impl Device for Flash {
         match register {
             Register::Keyr => self.take_key(value, registers),
             Register::Cr => self.write_control(registers, context),
-            Register::Acr | Register::Sr => {}
+            Register::Acr => {
+                self.caches[0].write(acr::ICEN.is_set(value), acr::ICRST.is_set(value));
+                self.caches[1].write(acr::DCEN.is_set(value), acr::DCRST.is_set(value));
+            }
+            Register::Sr => {}
             Register::Optkeyr | Register::Optcr | Register::Optcr1 => {
                 context.tell("OPTCR", "option bytes are not modelled");
             }
