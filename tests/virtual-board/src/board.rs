@@ -109,9 +109,9 @@ pub struct Board {
 impl Store for Board {}
 
 impl Board {
-    /// A board out of power-on; `seed` decides what chance decides, `settings` the rest. Without `protects_memory` the core's
-    /// memory protection unit takes no effect, which a firmware that never violates it cannot tell, and the
-    /// emulator runs twice as fast.
+    /// A board out of power-on; `seed` decides what chance decides, `settings` the rest. Without
+    /// `protects_memory` the core's memory protection unit takes no effect, which a firmware that never
+    /// violates it cannot tell, and the emulator runs twice as fast.
     ///
     /// # Errors
     ///

@@ -17,7 +17,8 @@ pub enum Flaw {
     Noise,
     /// Without its stop bit: other data bits, and `FE`.
     Framing,
-    /// It arrives as it was sent, but the DMA does not fetch it before the next has come, which is lost: `ORE`.
+    /// It arrives as it was sent, but the DMA does not fetch it before the next has come, which is lost:
+    /// `ORE`.
     Overrun,
 }
 

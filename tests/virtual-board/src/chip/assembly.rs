@@ -59,7 +59,8 @@ pub(super) struct Slots {
 }
 
 impl Stm32f405 {
-    /// The part out of a power-on reset, its RAM and all else that chance decides drawn from `seed`, and like `settings`.
+    /// The part out of a power-on reset, like `settings`, its RAM and all else that chance decides drawn from
+    /// `seed`.
     ///
     /// # Errors
     ///

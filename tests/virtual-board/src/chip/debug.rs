@@ -1,6 +1,6 @@
 //! The debug registers of the core that a firmware meets, DDI 0403E.b C1.6 and C1.8: `DEMCR.TRCENA`, without
-//! which the cycle counter stands still, and `DHCSR`, which says whether a debugger is attached. A probe writes
-//! both, and clears `TRCENA` when its session ends.
+//! which the cycle counter stands still, and `DHCSR`, which says whether a debugger is attached. A probe
+//! writes both, and clears `TRCENA` when its session ends.
 //!
 //! Not modelled: what reaches the core's registers through `DCRSR`, vector catch, the debug monitor.
 

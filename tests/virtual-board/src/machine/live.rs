@@ -135,8 +135,8 @@ impl Live<'_> {
         self.board().chip().freeze(at);
     }
 
-    /// At the `nth` arrival at `address` from now the core waits until the next tick is due: one phase of thread
-    /// and tick, chosen.
+    /// At the `nth` arrival at `address` from now the core waits until the next tick is due: one phase of
+    /// thread and tick, chosen.
     pub fn wait_there_for_a_tick(&mut self, address: u64, nth: u32) {
         self.session.watch(Watch::Instruction(address));
         self.lockstep.waiting_place = Some((address, nth));

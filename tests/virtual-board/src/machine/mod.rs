@@ -11,8 +11,8 @@
 mod gaps;
 mod live;
 mod lockstep;
+mod rig;
 
-use std::any::Any;
 use std::fmt;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -23,7 +23,7 @@ use rigless::image::Image;
 use rigless::session::{Reset, Session};
 use rigless::time::VirtualNanos;
 
-use crate::board::{Board, Inputs, Outputs};
+use crate::board::{Board, Outputs};
 use crate::chip::{Settings, flash};
 use crate::firmware::Firmware;
 use crate::serial::Flaw;
@@ -31,28 +31,13 @@ use crate::wiring::Amplifiers;
 pub use live::Live;
 pub use lockstep::TickRecord;
 use lockstep::{Command, Lockstep, Until};
+pub use rig::{AtRest, Rig};
 
 /// One millisecond of virtual time.
 pub const MILLISECOND: u64 = 1_000_000;
 
 /// The control tick: TIM1's update interrupt.
 pub const TICK: &str = "TIM1_UP_TIM10";
-
-/// What the board is connected to.
-pub trait Rig: Any + Send {
-    /// A millisecond passes with the board's `outputs` in effect: what the rig's sensors say at its end.
-    fn step(&mut self, outputs: &Outputs) -> Inputs;
-}
-
-/// A rig at rest: nothing moves, the supply is on.
-#[derive(Debug, Default)]
-pub struct AtRest(pub Inputs);
-
-impl Rig for AtRest {
-    fn step(&mut self, _outputs: &Outputs) -> Inputs {
-        self.0
-    }
-}
 
 /// Why a run ended before it was asked to.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,5 +1,5 @@
-//! The models of the part's peripherals, each alone on the bus or with the rest of the part, against what RM0090
-//! says of its registers.
+//! The models of the part's peripherals, each alone on the bus or with the rest of the part, against what
+//! RM0090 says of its registers.
 
 mod cache;
 mod debug;

@@ -1,6 +1,7 @@
 //! The instruction and the data cache before the flash, RM0090 3.5.2 and 3.9.1, as far as their registers go,
 //! and as far as saying whether they may hold lines from before an erase or a program. What the core reads is
-//! always the array: a firmware that reads a stale line reads the right bytes here, so it is for a test to ask.
+//! always the array: a firmware that reads a stale line reads the right bytes here, so it is for a test to
+//! ask.
 
 /// One cache.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,10 +1,11 @@
 //! The flash interface and array of the STM32F405, RM0090 sections 3.5 to 3.9 and the F405 datasheet's
 //! table 40, with a supply that can be cut in the middle of an operation.
 //!
-//! Modelled: the unlock keys, sector erase and programming with their durations, `PSIZE` and sequence
-//! errors, flags and `EOP`/`OPERR` behind their enables, write access to `CR` only while unlocked.
-//! The caches are followed as far as their registers go, see `cache`. The core stands still while an operation runs, since it fetches from the array being written: the
-//! machine around this model holds it for as long as [`Flash::busy`].
+//! Modelled: the unlock keys, sector erase and programming with their durations, `PSIZE` and sequence errors,
+//! flags and `EOP`/`OPERR` behind their enables, write access to `CR` only while unlocked. The caches are
+//! followed as far as their registers go, see `cache`. The core stands still while an operation runs, since
+//! it fetches from the array being written: the machine around this model holds it for as long as
+//! [`Flash::busy`].
 //! Not modelled, and a run that asks for it fails: mass erase, option bytes, write protection.
 
 mod array;
@@ -15,28 +16,12 @@ use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::flash::{Register, acr, cr, sr};
 use rigless::time::{EventId, VirtualNanos};
 
-use array::Array;
-pub use array::{BASE, Operation, SIZE, sector};
+use array::{Array, PROGRAM_NS};
+pub use array::{BASE, Cut, Operation, SIZE, sector};
 use cache::Cache;
 
 const CONTROL_AT_RESET: u64 = cr::LOCK.mask();
 const KEYS: [u64; 2] = [0x4567_0123, 0xCDEF_89AB];
-/// Typical durations with `PSIZE` x32 [ns], datasheet table 40: a word, and a sector by its size.
-const PROGRAM_NS: u64 = 16_000;
-const ERASE_NS: [(u64, u64); 3] =
-    [(16 << 10, 250_000_000), (64 << 10, 550_000_000), (128 << 10, 1_000_000_000)];
-/// How much longer an erase takes with narrower parallelism, by `PSIZE`, in hundredths.
-const ERASE_BY_PSIZE: [u64; 4] = [160, 120, 100, 100];
-
-/// When to cut the supply: in an operation of the array, at a share of its duration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cut {
-    /// Which operation, counting from 1 for the next one that starts.
-    pub operation: u64,
-    /// The share of its duration that passes before the supply goes, 0 to 1. Of the bits the operation
-    /// changes, about this share have changed by then, drawn at random.
-    pub share: f64,
-}
 
 /// An operation under way.
 #[derive(Debug)]
@@ -226,10 +211,7 @@ impl Flash {
             Self::error(registers, sr::WRPERR.mask());
             return;
         };
-        let parallelism = usize::try_from(cr::PSIZE.get(written)).expect("two bits");
-        let typical = ERASE_NS.iter().find(|(bytes, _)| *bytes == size);
-        let (_, typical) = typical.expect("every sector's size is listed");
-        let duration = typical * ERASE_BY_PSIZE[parallelism] / 100;
+        let duration = array::erase_ns(size, cr::PSIZE.get(written));
         self.start(Operation::Erase { address, size }, duration, registers, context);
     }
 }

@@ -9,8 +9,8 @@
 //! | TIM11's capture of the crystal's divided clock | `capture` |
 //! | Update and compare flags and interrupts | here |
 //!
-//! Asked of it but not modelled, which fails a run: any other input capture, the match and toggle output modes,
-//! slave modes other than the encoder's, DMA requests, and a register the instance does not have.
+//! Asked of it but not modelled, which fails a run: any other input capture, the match and toggle output
+//! modes, slave modes other than the encoder's, DMA requests, and a register the instance does not have.
 
 mod capture;
 mod counter;
