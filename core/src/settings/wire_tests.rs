@@ -1,6 +1,7 @@
 //! A controller's bytes, as boards have stored them since version 4 of the record: captured from the code
 //! that spelled every structure out by hand. Whatever declares the settings, these must not change.
 
+use crate::SAMPLE_TIME;
 use crate::allocation::AllocationSettings;
 use crate::axes::{PerAxis, PerMotor};
 use crate::command_filter::FilterSettings;
@@ -9,8 +10,8 @@ use crate::defaults;
 use crate::estimator::{EstimatorSettings, ObserverGains};
 use crate::gains;
 use crate::law::{IntegralGains, LawSettings, PidGains, StateFeedbackGains, SuperTwistingGains};
+use crate::parameters::Parameters;
 use crate::parameters::store::MAX_PAYLOAD;
-use crate::parameters::{Parameters, SAMPLE_TIME};
 use crate::pipeline::Settings;
 use crate::plant::presets;
 use crate::real::Real;

@@ -274,16 +274,16 @@ mod tests {
     /// Reading and writing changes no byte of a committed file, and the table knows every number in it.
     #[test]
     fn every_committed_file_is_written_as_it_was_read() {
-        let mut folders = vec![std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../gains"))];
+        let mut folders = vec![std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../gains"))];
         let mut files = 0;
         while let Some(folder) = folders.pop() {
-            for entry in fs::read_dir(folder).unwrap() {
+            for entry in std::fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
                 if path.is_dir() {
                     folders.push(path);
                     continue;
                 }
-                let text = fs::read_to_string(&path).unwrap();
+                let text = std::fs::read_to_string(&path).unwrap();
                 let file = GainsFile::parse("x", &text).unwrap();
                 assert_eq!(file.to_toml(), text, "{}", path.display());
                 let controller = file.controller;
