@@ -9,6 +9,5 @@ cargo test --workspace --exclude firmware
 toolchain="$(scripts/setup-target.sh)"
 RUSTUP_TOOLCHAIN="$toolchain" cargo fw
 RUSTUP_TOOLCHAIN="$toolchain" cargo fw --features sign-magnitude --target-dir target/sign-magnitude
-cargo test -p firmware
-cd tests/virtual-board
-cargo test --release --ignore-rust-version
+cargo fw-test
+cargo board-test

@@ -3,6 +3,15 @@
 use crate::axes::PerMotor;
 use crate::real::Real;
 
+/// \[Hz\] The PWM of every board: above hearing, and 20 whole periods in a tick.
+pub const PWM_HZ: u32 = 20_000;
+
+/// Compare steps from zero to full voltage, either way, of a board whose timer counts `timer_hz` times a
+/// second. Centre-aligned, a period is up and down; in locked antiphase, zero volts are half of it.
+pub const fn full_steps(timer_hz: u32) -> u32 {
+    timer_hz / PWM_HZ / 2 / 2
+}
+
 /// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<R> {

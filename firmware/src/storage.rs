@@ -5,7 +5,7 @@ use embassy_stm32::flash::{Bank1Region1, Blocking};
 use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 use twinrotor::parameters::{ParameterError, Parameters};
 
-/// [byte] Sectors 1 to 3 begin here in the first region of flash; see memory.x.
+/// \[byte\] Sectors 1 to 3 begin here in the first region of flash; see memory.x.
 const BASE: u32 = 0x4000;
 
 /// Where the parameters in force come from.

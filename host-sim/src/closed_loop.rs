@@ -7,7 +7,7 @@
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::drive::Drive;
-use twinrotor::encoder::angle_per_count;
+use twinrotor::encoder::{CounterWidth, angle_per_count};
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::{Push, REST_TICKS};
 use twinrotor::monitor::SUPPLY_TICKS;
@@ -221,7 +221,7 @@ impl BoardLoop {
             checked: true,
         };
         let drive = Drive::new(hardware.pwm_steps);
-        let control = ControlLoop::new(&parameters, counters(counts), drive, None);
+        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, counters(counts), drive, None);
         let mut board = Self { plant, encoders, control, drive, supply, latched: PerMotor::zero() };
         for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
             board.step(None);

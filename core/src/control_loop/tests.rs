@@ -57,7 +57,7 @@ impl Bench {
         Self {
             rig: *rig,
             plant,
-            control: ControlLoop::new(&parameters, PerAxis::both(0), drive, None),
+            control: ControlLoop::new(&parameters, CounterWidth::Bits16, PerAxis::both(0), drive, None),
             drive,
             parameters,
             applied: PerMotor::zero(),

@@ -62,9 +62,9 @@ pub struct MotorConstants {
 const PITCH_ENVELOPE: f64 = 40.0 * DEGREE;
 /// \[rad/s\] Twice the fastest rate of a time-optimal step of 15 and 40 degrees within 24 V.
 const RATE_ENVELOPE: PerAxis<f64> = PerAxis::new(10.0, 10.0);
-/// Compare steps between zero and full voltage of a locked anti-phase bridge at 20 kHz, centre-aligned, from
-/// a 168 MHz timer: 168e6 / 20e3 / 2 / 2.
-const PWM_STEPS: u32 = 2_100;
+/// Compare steps between zero and full voltage on the boards that the firmware knows, whose timers all count
+/// at 168 MHz. It does not compile for a board that has others.
+pub const PWM_STEPS: u32 = crate::drive::full_steps(168_000_000);
 
 const NO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
