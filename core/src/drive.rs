@@ -3,9 +3,14 @@
 use crate::axes::PerMotor;
 use crate::real::Real;
 
-/// \[steps\] From zero to the full supply, of a locked anti-phase bridge at 20 kHz, centre-aligned, from a timer
-/// of 168 MHz: 168e6 / 20e3 / 2 / 2. The presets' and the firmware's.
-pub const FULL_STEPS: u32 = 2_100;
+/// \[Hz\] The PWM of every board: above hearing, and 20 whole periods in a tick.
+pub const PWM_HZ: u32 = 20_000;
+
+/// Compare steps from zero to full voltage, either way, of a board whose timer counts `timer_hz` times a
+/// second. Centre-aligned, a period is up and down; in locked antiphase, zero volts are half of it.
+pub const fn full_steps(timer_hz: u32) -> u32 {
+    timer_hz / PWM_HZ / 2 / 2
+}
 
 /// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +69,7 @@ impl Duty<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::presets::PWM_STEPS;
     use proptest::prelude::*;
 
     proptest! {
@@ -71,7 +77,7 @@ mod tests {
         fn within_half_a_step_and_never_beyond_the_supply(
             main in -60.0_f32..60.0, tail in -60.0_f32..60.0, supply in 10.0_f32..30.0,
         ) {
-            let drive = Drive::<f32>::new(FULL_STEPS);
+            let drive = Drive::<f32>::new(PWM_STEPS);
             let asked = PerMotor::new(main, tail);
             let duty = drive.duty(asked, supply);
             let given = drive.volts(duty, supply);
@@ -87,7 +93,7 @@ mod tests {
 
     #[test]
     fn nothing_that_is_not_finite_reaches_a_duty() {
-        let drive = Drive::<f32>::new(FULL_STEPS);
+        let drive = Drive::<f32>::new(PWM_STEPS);
         let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
         for b in bad {
             assert_eq!(drive.duty(PerMotor::new(b, 12.0), 24.0).main.steps(), 0);

@@ -10,9 +10,17 @@
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+mod boards;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
 mod critical;
 #[cfg(target_os = "none")]
+mod emergency_stop;
+#[cfg(target_os = "none")]
 mod led;
+#[cfg(target_os = "none")]
+mod pins;
 #[cfg(target_os = "none")]
 mod port;
 #[cfg(target_os = "none")]
@@ -30,6 +38,8 @@ mod storage;
 #[cfg(target_os = "none")]
 mod tick;
 #[cfg(target_os = "none")]
+mod wake;
+#[cfg(target_os = "none")]
 mod watchdog;
 
 #[cfg(target_os = "none")]
@@ -45,8 +55,8 @@ async fn main(spawner: embassy_executor::Spawner) {
     reset_record::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
     let (reports, commands) =
-        tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
-    defmt::info!("{}: reset reported {}, {}", board::CHIP, reset.is_some(), provenance.name());
+        tick::start(board.clock, board.port, &parameters, provenance, reset.map(|report| report.cause));
+    defmt::info!("{}: reset reported {}, {}", boards::BOARD.name, reset.is_some(), provenance.name());
     serial::start(spawner, board.serial, storage, parameters, reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }

@@ -1,21 +1,16 @@
 //! The serial link: commands in, answers and telemetry out, both by DMA, never in the way of a tick.
 
-use crate::board::CHIP;
+use crate::boards::BOARD;
 use crate::quiesce::TickAside;
 use crate::shared::{Commands, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX};
 use crate::storage::Storage;
-use crate::{stack, tick};
+use crate::{stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
-use cortex_m::peripheral::NVIC;
 use embassy_executor::Spawner;
-use embassy_stm32::interrupt;
-use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::{RingBufferedUartRx, Uart, UartTx};
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
-use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant};
 use static_cell::StaticCell;
 use twinrotor::link::{
@@ -76,31 +71,13 @@ async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) 
     }
 }
 
-/// The tick has something to send. It may not touch what critical sections protect, so an interrupt of low
-/// priority, which the chip has no other use for, carries the word.
-static WOKEN: Signal<CriticalSectionRawMutex, ()> = Signal::new();
-
-/// Wakes the sender: for the tick.
-pub(crate) fn wake() {
-    NVIC::pend(embassy_stm32::interrupt::SDIO);
-}
-
-#[interrupt]
-fn SDIO() {
-    WOKEN.signal(());
-}
-
 /// Sends answers first, then what the tick reports, once a second how the board is.
 #[embassy_executor::task]
 async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     static BUFFER: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
     let buffer = BUFFER.init([0; MAX_FRAME]);
     let mut next_health = Instant::now();
-    #[expect(unsafe_code, reason = "an interrupt is enabled")]
-    // SAFETY: its handler sets a signal only.
-    unsafe {
-        embassy_stm32::interrupt::SDIO.enable();
-    }
+    wake::listen();
     loop {
         let message = if let Ok(answer) = ANSWERS.try_receive() {
             answer
@@ -112,7 +89,7 @@ async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
         } else if let Some(frame) = reports.frames.dequeue() {
             ToHost::Frame(frame)
         } else {
-            WOKEN.wait().await;
+            wake::woken().await;
             continue;
         };
         transmit(&mut uart, &message, buffer).await;
@@ -196,7 +173,7 @@ impl Operator {
     fn identity(&self) -> ToHost {
         ToHost::Identity(Identity {
             firmware: link::text(env!("CARGO_PKG_VERSION")),
-            chip: link::text(CHIP),
+            chip: link::text(BOARD.chip),
             parameters: twinrotor::parameters::VERSION,
             reset: self.reset,
         })
@@ -206,5 +183,5 @@ impl Operator {
 /// Hands an answer to the sender.
 async fn answer(message: ToHost) {
     ANSWERS.send(message).await;
-    WOKEN.signal(());
+    wake::wake_from_thread();
 }

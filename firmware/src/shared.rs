@@ -31,7 +31,7 @@ pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
 pub(crate) static STOP_EDGE: AtomicBool = AtomicBool::new(false);
 /// The stack has been used further than it should.
 pub(crate) static STACK_LOW: AtomicBool = AtomicBool::new(false);
-/// What the LED shows; see [`crate::led`].
+/// What the LED shows, as its own file says.
 pub(crate) static LED_PATTERN: AtomicU8 = AtomicU8::new(0);
 
 /// For the tick: takes a flag back that others raise, whom it interrupts and who never interrupt it.

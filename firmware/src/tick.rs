@@ -1,14 +1,14 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
-use crate::port::senses::Sensed;
-use crate::port::{EncoderPwmPort, PlantPort, amplifier};
+use crate::clock::{self, Clock};
+use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
     COMMANDS, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
     TICK_CYCLES_MAX, TICKS, VERDICTS, take,
 };
 use crate::storage::Provenance;
-use crate::{led, serial, watchdog};
+use crate::{led, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -23,12 +23,13 @@ use twinrotor::parameters::Parameters;
 use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
-/// [cycles] More than this from one tick to the next, and one has been missed.
-const TOO_LATE: u32 = 168_000 * 3 / 2;
+/// \[cycles\] More than this from one tick to the next, and one has been missed.
+const TOO_LATE: u32 = clock::CYCLES * 3 / 2;
 
 /// What the interrupt owns beside the control loop.
-struct Tick {
-    port: EncoderPwmPort,
+struct Tick<P> {
+    clock: Clock,
+    port: P,
     commands: Consumer<'static, OperatorCommand>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
@@ -52,12 +53,13 @@ struct OfTheInterrupt<T>(UnsafeCell<MaybeUninit<T>>);
 // `CONTROL` while the interrupt stands aside.
 unsafe impl<T> Sync for OfTheInterrupt<T> {}
 
-static TICK: OfTheInterrupt<Tick> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
+static TICK: OfTheInterrupt<Tick<Port>> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 static CONTROL: OfTheInterrupt<Control> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Starts the watchdog and the tick.
 pub(crate) fn start(
-    mut port: EncoderPwmPort,
+    clock: Clock,
+    mut port: Port,
     parameters: &Parameters,
     provenance: Provenance,
     reset_cause: Option<Condition>,
@@ -73,12 +75,19 @@ pub(crate) fn start(
     // SAFETY: nobody else uses them now.
     unsafe {
         (*CONTROL.0.get()).write(Control {
-            core: ControlLoop::new(parameters, port.counters(), port.drive(), reset_cause),
+            core: ControlLoop::new(
+                parameters,
+                Port::COUNTER_WIDTH,
+                port.counters(),
+                port.drive(),
+                reset_cause,
+            ),
             standing: Conditions::NONE
                 .with(Condition::ParametersInvalid, provenance == Provenance::Invalid)
                 .with(Condition::ParametersMissing, provenance == Provenance::Missing),
         });
         (*TICK.0.get()).write(Tick {
+            clock,
             port,
             commands,
             frames,
@@ -89,7 +98,7 @@ pub(crate) fn start(
         });
     }
     watchdog::start();
-    amplifier::run();
+    clock.run();
     (Reports { frames: frame_end, verdicts: verdict_end }, wish_end)
 }
 
@@ -110,11 +119,11 @@ fn TIM1_UP_TIM10() {
     tick.run();
 }
 
-impl Tick {
+impl<P: PlantPort> Tick<P> {
     #[inline(always)]
     fn run(&mut self) {
         let begin = DWT::cycle_count();
-        amplifier::take_tick();
+        self.clock.take_tick();
         let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE;
         self.last_begin = begin;
         let sensed = self.port.sense();
@@ -130,7 +139,7 @@ impl Tick {
         if cycles > TICK_CYCLES_MAX.load(Ordering::Relaxed) {
             TICK_CYCLES_MAX.store(cycles, Ordering::Relaxed);
         }
-        self.overrun = amplifier::tick_due();
+        self.overrun = self.clock.tick_due();
         if sensed.fresh && !self.overrun && !missed {
             watchdog::feed();
         }
@@ -175,7 +184,7 @@ impl Tick {
             if self.frames.enqueue(control.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
-            serial::wake();
+            wake::wake();
         }
     }
 }

@@ -43,7 +43,13 @@ impl Flight {
         let bench = Bench::at_rest(rig, SAMPLE_TIME);
         Self {
             bench,
-            control: ControlLoop::new(&parameters, bench.counters(), Drive::new(rig.pwm_steps), None),
+            control: ControlLoop::new(
+                &parameters,
+                CounterWidth::Bits16,
+                bench.counters(),
+                Drive::new(rig.pwm_steps),
+                None,
+            ),
             parameters,
             current_limit: false,
             heard: true,
