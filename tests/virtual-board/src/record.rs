@@ -15,7 +15,7 @@ pub const ADDRESS: u64 = crate::chip::flash::BASE + 0x4000;
 pub const BUILT_IN: &str = "aero2";
 
 /// The paper's controller with the paper's gains for `rig`, its wiring checked.
-pub fn papers(rig: &Rig) -> Parameters {
+pub fn paper_parameters(rig: &Rig) -> Parameters {
     checked(rig, &Settings::paper(rig, PAPER, SAMPLE_TIME))
 }
 
