@@ -11,8 +11,8 @@ pub fn decay(time: f64, tau: f64) -> f64 {
     if tau > 0.0 { libm::exp(-time / tau) } else { 0.0 }
 }
 
-/// (2τ - T)/(2τ + T), at least 0: [`decay`] to third order in T/τ, by basic arithmetic only, so that the board
-/// and the host agree on it to the bit. The controller's, where τ may be 0.
+/// (2τ - T)/(2τ + T), at least 0: [`decay`] to third order in T/τ, by basic arithmetic only, so that the
+/// board and the host agree on it to the bit. The controller's, where τ may be 0.
 #[inline(always)]
 pub(crate) fn tustin_decay<R: Real>(time: R, tau: R) -> R {
     ((tau + tau - time) / (tau + tau + time)).max(R::zero())

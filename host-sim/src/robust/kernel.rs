@@ -197,7 +197,6 @@ mod tests {
     use super::*;
     use crate::closed_loop::BoardLoop;
     use crate::lanes::{in_lanes_with, levels};
-    use crate::metrics::{LastOutside, Overshoot};
     use twinrotor::plant::presets;
 
     /// Every lane against the board's own control loop on that plant, tick by tick.
