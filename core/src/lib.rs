@@ -26,6 +26,8 @@
 //! 6. [`allocation`]: torque to motor volts, eqs (28)-(29), within limits, after [`lead`] against rotor lag.
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers.
 //!
+//! [`settings`] is the table of all that a person may choose, declared where it is used.
+//!
 //! [`pipeline`] is steps 2, 4, 5 and 6 over any [`Real`](real::Real), [`control_loop`] all of it. "Eq. (26)"
 //! and "Table 3" mean those of "Backstepping control of Quanser's 2-DOF Helicopter under disturbance and
 //! actuator saturation based on Flower Pollination Algorithm".
