@@ -40,7 +40,8 @@
 //!   [`validate`] (what is wrong with a value).
 //! - The helicopter: [`plant`] integrates it, [`bench`] shows it as its cables do, [`trajectory`] has the
 //!   references that a simulation follows.
-//! - The controller's settings: [`gains`], [`controller`], and [`defaults`], what each preset starts from.
+//! - The controller's settings: [`settings`], the table of all that a person may choose, declared where it is
+//!   used; [`gains`], [`controller`], and [`defaults`], what each preset starts from.
 //! - The board's data: [`parameters`], the record it flies with, and [`link`], its messages.
 //!
 //! "Eq. (26)" and "Table 3" mean those of "Backstepping control of Quanser's 2-DOF Helicopter under
