@@ -3,8 +3,8 @@
 use crate::axes::PerMotor;
 use crate::real::Real;
 
-/// \[steps\] From zero to the full supply, of a locked anti-phase bridge at 20 kHz, centre-aligned, from a timer
-/// of 168 MHz: 168e6 / 20e3 / 2 / 2. The presets' and the firmware's.
+/// \[steps\] From zero to the full supply, of a locked anti-phase bridge at 20 kHz, centre-aligned, from a
+/// timer of 168 MHz: 168e6 / 20e3 / 2 / 2. The presets' and the firmware's.
 pub const FULL_STEPS: u32 = 2_100;
 
 /// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.

@@ -1,12 +1,12 @@
 use super::*;
+use crate::SAMPLE_TIME;
+use crate::bench::{Bench, Faults};
 use crate::first_power::{Fault, SETTLE_TICKS};
 use crate::gains::{AxisGains, Gains};
 use crate::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
-use crate::parameters::SAMPLE_TIME;
 use crate::pipeline::Settings;
+use crate::plant::RealPlant;
 use crate::plant::presets::{self, Rig};
-use crate::plant::{RealPlant, State};
-use crate::real::Real;
 use std::string::String;
 use std::vec::Vec;
 use std::{format, println};
@@ -23,28 +23,19 @@ fn gains(rig: &Rig) -> Gains<f64> {
     if rig.plant.effectiveness.main_on_pitch == 0.022 { crate::gains::PAPER } else { SOFT }
 }
 
-/// How the encoders are connected to the true angles.
-type Wiring = fn(PerAxis<i32>) -> PerAxis<i32>;
-const RIGHT: Wiring = |counts| counts;
+/// Makes a fault in the cables.
+type Spoil = fn(&mut Faults);
 
-/// A rig on a bench: plant, encoders, amplifiers and the loop.
-struct Bench {
-    rig: Rig,
-    plant: RealPlant<f64>,
+/// A simulated rig and its loop.
+struct Flight {
+    bench: Bench<f32>,
     control: ControlLoop,
-    drive: Drive<f32>,
     parameters: Parameters,
-    applied: PerMotor<f64>,
-    wiring: Wiring,
-    /// What the motors are connected to: volts asked for to volts given.
-    motors: fn(PerMotor<f64>) -> PerMotor<f64>,
-    disturbance: PerMotor<f64>,
-    supply: f32,
     current_limit: bool,
     heard: bool,
 }
 
-impl Bench {
+impl Flight {
     fn new(rig: &Rig, checked: bool) -> Self {
         Self::with(rig, &Settings::paper(rig, gains(rig), SAMPLE_TIME), checked)
     }
@@ -52,19 +43,11 @@ impl Bench {
     fn with(rig: &Rig, settings: &Settings<f64>, checked: bool) -> Self {
         let mut parameters = Parameters::new(rig, settings);
         parameters.checked = checked;
-        let drive = Drive::new(rig.pwm_steps);
-        let plant = RealPlant::new(&rig.plant, State::at_rest(rig.rest_angle), SAMPLE_TIME);
+        let bench = Bench::at_rest(rig, SAMPLE_TIME);
         Self {
-            rig: *rig,
-            plant,
-            control: ControlLoop::new(&parameters, PerAxis::both(0), drive, None),
-            drive,
+            bench,
+            control: ControlLoop::new(&parameters, bench.counters(), Drive::new(rig.pwm_steps), None),
             parameters,
-            applied: PerMotor::zero(),
-            wiring: RIGHT,
-            motors: |volts| volts,
-            disturbance: PerMotor::zero(),
-            supply: f32::from_f64(rig.volts_limit.main.max(rig.volts_limit.tail)),
             current_limit: false,
             heard: true,
         }
@@ -76,34 +59,29 @@ impl Bench {
     }
 
     fn arm(self) -> Self {
-        let mut bench = self;
-        bench.run(REST_TICKS + 1, None);
-        bench.tick(Some(OperatorCommand::Zero));
-        bench.tick(None);
-        bench.tick(None);
-        assert_eq!(bench.control.state(), ArmState::Ready);
-        bench.tick(Some(OperatorCommand::Request(Request::Arm)));
-        assert_eq!(bench.control.state(), ArmState::Armed);
-        bench
+        let mut flight = self;
+        flight.run(REST_TICKS + 1, None);
+        flight.tick(Some(OperatorCommand::Zero));
+        flight.tick(None);
+        flight.tick(None);
+        assert_eq!(flight.control.state(), ArmState::Ready);
+        flight.tick(Some(OperatorCommand::Request(Request::Arm)));
+        assert_eq!(flight.control.state(), ArmState::Armed);
+        flight
     }
 
     fn tick(&mut self, command: Option<OperatorCommand>) -> Outputs {
-        let body = self.plant.state();
-        let counts = body.angle.zip(self.rig.encoder_counts, |angle, counts| {
-            (angle * f64::from(counts) / core::f64::consts::TAU).round() as i32
-        });
         let outputs = self.control.tick(&Inputs {
-            counters: (self.wiring)(counts).map(|count| count.cast_unsigned() & 0xFFFF),
-            supply: self.supply,
+            counters: self.bench.counters(),
+            supply: self.bench.supply,
             current_limit: self.current_limit,
             senses: Conditions::NONE,
             heard: self.heard,
             command: command.as_ref(),
         });
-        self.plant.advance((self.motors)(self.applied), self.disturbance);
-        self.lie_on_stop();
-        let volts = self.drive.volts(outputs.duty, self.supply).map(f64::from);
-        self.applied = if outputs.enable { volts } else { PerMotor::zero() };
+        // It lies on a table until it is armed.
+        self.bench.set_table(self.control.state() != ArmState::Armed);
+        self.bench.tick(outputs.duty, outputs.enable);
         outputs
     }
 
@@ -111,18 +89,6 @@ impl Bench {
     fn frame(&mut self, command: Option<OperatorCommand>) -> Frame {
         self.tick(command);
         self.control.frame()
-    }
-
-    /// A rig whose weight pulls its nose down lies on a stop in its rest pose: one below it, or a table until
-    /// it is armed.
-    fn lie_on_stop(&mut self) {
-        let (mut body, rest) = (self.plant.state(), self.rig.rest_angle.pitch);
-        let lies = rest < 0.0 || self.control.state() != ArmState::Armed;
-        if self.rig.plant.center_of_mass > 0.0 && lies && body.angle.pitch < rest {
-            body.angle.pitch = rest;
-            body.rate.pitch = 0.0;
-            self.plant = RealPlant::assemble(self.rig.plant, *self.plant.rotors(), body, SAMPLE_TIME);
-        }
     }
 
     /// Up to `ticks` ticks; ends with the first fault and gives its cause and tick.
@@ -156,14 +122,14 @@ fn flown() -> impl Iterator<Item = (String, Rig, Settings<f64>)> {
 #[test]
 fn steps_trip_nothing_on_any_rig() {
     for (name, rig, settings) in flown() {
-        let mut bench = Bench::with(&rig, &settings, true).arm();
+        let mut flight = Flight::with(&rig, &settings, true).arm();
         for target in [
             setpoint(0.0, 0.0),
             setpoint(15.0 * DEGREE, 40.0 * DEGREE),
             setpoint(-10.0 * DEGREE, -90.0 * DEGREE),
             setpoint(0.0, 0.0),
         ] {
-            assert_eq!(bench.run(8_000, target), None, "{name}");
+            assert_eq!(flight.run(8_000, target), None, "{name}");
         }
     }
 }
@@ -179,16 +145,16 @@ fn wrong_constants_and_disturbances_trip_nothing() {
     };
     for (name, rig, settings) in flown() {
         for _ in 0..20 {
-            let mut bench = Bench::with(&rig, &settings, true).arm();
+            let mut flight = Flight::with(&rig, &settings, true).arm();
             let mut true_plant = rig.plant.map(|constant| constant * (1.0 + uniform(0.3)));
             (true_plant.mass, true_plant.gravity) = (rig.plant.mass, rig.plant.gravity);
             true_plant.rotor_time_constant =
                 rig.plant.rotor_time_constant.map(|tau| tau * (1.0 + uniform(0.7)));
-            bench.rig.plant = true_plant;
-            bench.plant = RealPlant::new(&true_plant, bench.plant.state(), SAMPLE_TIME);
-            bench.disturbance = PerMotor::new(uniform(2.0), uniform(2.0));
+            let true_plant = RealPlant::new(&true_plant, flight.bench.state(), SAMPLE_TIME);
+            flight.bench = flight.bench.with_plant(true_plant);
+            flight.bench.disturbance = PerMotor::new(uniform(2.0), uniform(2.0)).cast();
             for target in [setpoint(0.0, 0.0), setpoint(15.0 * DEGREE, 40.0 * DEGREE)] {
-                match bench.run(4_000, target) {
+                match flight.run(4_000, target) {
                     None => {}
                     // Without an integral, a weight 30 % off is more than the envelope allows the classic
                     // helicopter.
@@ -203,18 +169,18 @@ fn wrong_constants_and_disturbances_trip_nothing() {
 /// A swapped sign and a stuck encoder end in a fault, on every rig and each axis. Prints the times.
 #[test]
 fn a_swapped_and_a_stuck_encoder_are_found_within_a_second_of_the_push() {
-    let faults: [(&str, Wiring); 4] = [
-        ("pitch swapped", |c| PerAxis::new(-c.pitch, c.yaw)),
-        ("yaw swapped", |c| PerAxis::new(c.pitch, -c.yaw)),
-        ("pitch stuck", |c| PerAxis::new(0, c.yaw)),
-        ("yaw stuck", |c| PerAxis::new(c.pitch, 0)),
+    let faults: [(&str, Spoil); 4] = [
+        ("pitch swapped", |faults| faults.encoder_reversed.pitch = true),
+        ("yaw swapped", |faults| faults.encoder_reversed.yaw = true),
+        ("pitch stuck", |faults| faults.encoder_stuck.pitch = true),
+        ("yaw stuck", |faults| faults.encoder_stuck.yaw = true),
     ];
     for (name, rig, settings) in flown().filter(|(name, ..)| !name.starts_with("heli")) {
-        for (what, wiring) in faults {
-            let mut bench = Bench::with(&rig, &settings, true).arm();
-            bench.run(500, None);
-            bench.wiring = wiring;
-            let found = bench.run(6_000, setpoint(25.0 * DEGREE, 120.0 * DEGREE));
+        for (what, spoil) in faults {
+            let mut flight = Flight::with(&rig, &settings, true).arm();
+            flight.run(500, None);
+            spoil(&mut flight.bench.faults);
+            let found = flight.run(6_000, setpoint(25.0 * DEGREE, 120.0 * DEGREE));
             let (cause, ticks) = found.unwrap_or_else(|| panic!("{name}, {what}: not found"));
             println!("{name:24} {what:14} {cause:?} after {ticks} ms");
         }
@@ -223,28 +189,29 @@ fn a_swapped_and_a_stuck_encoder_are_found_within_a_second_of_the_push() {
 
 #[test]
 fn an_encoder_that_jumps_stops_the_motors_and_voids_the_zero() {
-    let mut bench = Bench::armed(&presets::AERO);
-    bench.run(100, None);
-    bench.wiring = |counts| PerAxis::new(counts.pitch + 40, counts.yaw);
-    let outputs = bench.tick(None);
-    assert_eq!(bench.control.frame().state, ArmState::Fault(Condition::PitchJump));
+    let mut flight = Flight::armed(&presets::AERO);
+    flight.run(100, None);
+    flight.bench.faults.slip.pitch = 40;
+    flight.tick(None);
+    let outputs = flight.tick(None);
+    assert_eq!(flight.control.frame().state, ArmState::Fault(Condition::PitchJump));
     assert!(!outputs.enable);
-    assert!(bench.frame(None).conditions.contains(Condition::NotZeroed));
+    assert!(flight.frame(None).conditions.contains(Condition::NotZeroed));
 }
 
 #[test]
 fn leaving_the_envelope_stops_the_motors_in_that_tick() {
-    let mut bench = Bench::armed(&presets::AERO);
-    bench.parameters.limits.pitch = 0.1;
-    bench.control.monitor = Monitor::new(&bench.parameters);
-    bench.run(20, None);
+    let mut flight = Flight::armed(&presets::AERO);
+    flight.parameters.limits.pitch = 0.1;
+    flight.control.monitor = Monitor::new(&flight.parameters);
+    flight.run(20, None);
     let mut command = setpoint(20.0 * DEGREE, 0.0);
     loop {
-        let outputs = bench.tick(command.take());
-        let outside = bench.control.frame().angle.pitch.abs() > 0.1;
+        let outputs = flight.tick(command.take());
+        let outside = flight.control.frame().angle.pitch.abs() > 0.1;
         assert_eq!(outputs.enable, !outside);
         if outside {
-            assert_eq!(bench.control.frame().state, ArmState::Fault(Condition::AngleEnvelope));
+            assert_eq!(flight.control.frame().state, ArmState::Fault(Condition::AngleEnvelope));
             break;
         }
     }
@@ -252,43 +219,43 @@ fn leaving_the_envelope_stops_the_motors_in_that_tick() {
 
 #[test]
 fn an_infinite_torque_gives_no_volts_and_a_fault_one_tick_later() {
-    let mut bench = Bench::armed(&presets::AERO);
-    let outputs = bench.tick(Some(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::both(3e38)))));
+    let mut flight = Flight::armed(&presets::AERO);
+    let outputs = flight.tick(Some(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::both(3e38)))));
     assert_eq!(outputs.duty.map(Duty::steps), PerMotor::both(0));
-    assert_eq!(bench.frame(None).state, ArmState::Fault(Condition::NonFinite));
-    bench.tick(None);
-    bench.tick(Some(OperatorCommand::Request(Request::ClearFault)));
-    assert_ne!(bench.control.state(), ArmState::Fault(Condition::NonFinite));
+    assert_eq!(flight.frame(None).state, ArmState::Fault(Condition::NonFinite));
+    flight.tick(None);
+    flight.tick(Some(OperatorCommand::Request(Request::ClearFault)));
+    assert_ne!(flight.control.state(), ArmState::Fault(Condition::NonFinite));
 }
 
 #[test]
 fn supply_current_limit_and_silence_count_from_their_stated_tick_on() {
-    type Spoil = fn(&mut Bench);
+    type Spoil = fn(&mut Flight);
     let cases: [(Condition, u32, Spoil); 3] = [
-        (Condition::SupplyRange, SUPPLY_TICKS, |bench| bench.supply = 5.0),
-        (Condition::CurrentLimit, CURRENT_TICKS, |bench| bench.current_limit = true),
-        (Condition::CommandTimeout, 500, |bench| bench.heard = false),
+        (Condition::SupplyRange, SUPPLY_TICKS, |flight| flight.bench.supply = 5.0),
+        (Condition::CurrentLimit, CURRENT_TICKS, |flight| flight.current_limit = true),
+        (Condition::CommandTimeout, 500, |flight| flight.heard = false),
     ];
     for (condition, ticks, spoil) in cases {
-        let mut bench = Bench::armed(&presets::AERO);
-        bench.run(50, None);
-        spoil(&mut bench);
-        assert_eq!(bench.run(1_000, None), Some((condition, ticks - 1)));
+        let mut flight = Flight::armed(&presets::AERO);
+        flight.run(50, None);
+        spoil(&mut flight);
+        assert_eq!(flight.run(1_000, None), Some((condition, ticks - 1)));
     }
-    let mut bench = Bench::armed(&presets::AERO);
-    bench.supply = f32::NAN;
-    assert_eq!(bench.run(20, None), Some((Condition::SupplyRange, SUPPLY_TICKS - 1)));
+    let mut flight = Flight::armed(&presets::AERO);
+    flight.bench.supply = f32::NAN;
+    assert_eq!(flight.run(20, None), Some((Condition::SupplyRange, SUPPLY_TICKS - 1)));
 }
 
 #[test]
 fn zero_is_taken_only_where_the_rig_lies_still() {
-    let mut bench = Bench::new(&presets::HELI, true);
-    bench.run(10, None);
-    bench.tick(Some(OperatorCommand::Zero));
-    assert!(bench.frame(None).conditions.contains(Condition::NotZeroed), "it has lain still for 10 ms only");
-    bench.run(REST_TICKS, None);
-    bench.tick(Some(OperatorCommand::Zero));
-    let frame = bench.frame(None);
+    let mut flight = Flight::new(&presets::HELI, true);
+    flight.run(10, None);
+    flight.tick(Some(OperatorCommand::Zero));
+    assert!(flight.frame(None).conditions.contains(Condition::NotZeroed), "it has lain still for 10 ms only");
+    flight.run(REST_TICKS, None);
+    flight.tick(Some(OperatorCommand::Zero));
+    let frame = flight.frame(None);
     assert!(!frame.conditions.contains(Condition::NotZeroed));
     let count = core::f32::consts::TAU / 4096.0;
     assert!((f64::from(frame.angle.pitch) - presets::HELI.rest_angle.pitch).abs() < f64::from(count));
@@ -297,21 +264,21 @@ fn zero_is_taken_only_where_the_rig_lies_still() {
 /// From the nose down to level, at the stated rate, and there.
 #[test]
 fn after_arming_the_reference_leads_from_the_rest_pose_to_level() {
-    let mut bench = Bench::armed(&presets::HELI);
-    let first = bench.frame(None);
+    let mut flight = Flight::armed(&presets::HELI);
+    let first = flight.frame(None);
     assert!((first.reference.pitch - first.angle.pitch).abs() < 0.01);
-    assert_eq!(bench.run(2_000, None), None);
-    assert_eq!(bench.frame(None).reference, PerAxis::zero());
+    assert_eq!(flight.run(2_000, None), None);
+    assert_eq!(flight.frame(None).reference, PerAxis::zero());
 }
 
 /// Ends the check and gives its verdict.
-fn check(bench: &mut Bench) -> Verdict {
-    bench.run(20, None);
+fn check(flight: &mut Flight) -> Verdict {
+    flight.run(20, None);
     let mut command = Some(OperatorCommand::Request(Request::Check));
     for _ in 0..3 * SETTLE_TICKS {
-        if let Some(verdict) = bench.tick(command.take()).verdict {
-            bench.tick(None);
-            assert_eq!(bench.control.state(), ArmState::Disarmed);
+        if let Some(verdict) = flight.tick(command.take()).verdict {
+            flight.tick(None);
+            assert_eq!(flight.control.state(), ArmState::Disarmed);
             return verdict;
         }
     }
@@ -321,40 +288,37 @@ fn check(bench: &mut Bench) -> Verdict {
 #[test]
 fn the_first_power_check_passes_every_rig_and_then_only_the_zero_is_missing() {
     for (name, rig) in presets::ALL {
-        let mut bench = Bench::new(&rig, false);
-        assert_eq!(check(&mut bench), Verdict::Passed, "{name}");
-        let left: Vec<Condition> = bench.frame(None).conditions.iter().collect();
+        let mut flight = Flight::new(&rig, false);
+        assert_eq!(check(&mut flight), Verdict::Passed, "{name}");
+        let left: Vec<Condition> = flight.frame(None).conditions.iter().collect();
         assert_eq!(left, [Condition::NotZeroed], "{name}");
     }
 }
 
 #[test]
 fn the_first_power_check_names_what_is_connected_wrongly() {
-    type Motors = fn(PerMotor<f64>) -> PerMotor<f64>;
-    let same: Motors = |v| v;
-    let cases: [(Fault, Wiring, Motors); 7] = [
-        (Fault::MotorsSwapped, RIGHT, |v| PerMotor::new(v.tail, v.main)),
-        (Fault::MainReversed, RIGHT, |v| PerMotor::new(-v.main, v.tail)),
-        (Fault::TailReversed, RIGHT, |v| PerMotor::new(v.main, -v.tail)),
-        (Fault::BothReversed, RIGHT, |v| PerMotor::new(-v.main, -v.tail)),
-        (Fault::PitchReversed, |c| PerAxis::new(-c.pitch, c.yaw), same),
-        (Fault::YawReversed, |c| PerAxis::new(c.pitch, -c.yaw), same),
-        (Fault::EncodersSwapped, |c| PerAxis::new(c.yaw, c.pitch), same),
+    let cases: [(Fault, Spoil); 7] = [
+        (Fault::MotorsSwapped, |faults| faults.motors_swapped = true),
+        (Fault::MainReversed, |faults| faults.motor_reversed.main = true),
+        (Fault::TailReversed, |faults| faults.motor_reversed.tail = true),
+        (Fault::BothReversed, |faults| faults.motor_reversed = PerMotor::both(true)),
+        (Fault::PitchReversed, |faults| faults.encoder_reversed.pitch = true),
+        (Fault::YawReversed, |faults| faults.encoder_reversed.yaw = true),
+        (Fault::EncodersSwapped, |faults| faults.encoders_swapped = true),
     ];
     for (name, rig) in presets::ALL {
-        for (fault, wiring, motors) in cases {
-            let mut bench = Bench::new(&rig, false);
-            bench.wiring = wiring;
-            bench.motors = motors;
-            assert_eq!(check(&mut bench), Verdict::Wrong(fault), "{name}");
-            assert!(bench.frame(None).conditions.contains(Condition::NotChecked));
+        for (fault, spoil) in cases {
+            let mut flight = Flight::new(&rig, false);
+            spoil(&mut flight.bench.faults);
+            assert_eq!(check(&mut flight), Verdict::Wrong(fault), "{name}");
+            assert!(flight.frame(None).conditions.contains(Condition::NotChecked));
         }
     }
 }
 
 #[test]
 fn the_first_power_check_misses_a_motor_that_is_not_connected() {
-    let mut bench = Bench::new(&presets::AERO, false);
-    bench.motors = |volts| PerMotor::new(volts.main, 0.0);
-    assert_eq!(check(&mut bench), Verdict::NoMotion { motor: crate::first_power::Motor::Tail });
+    let mut flight = Flight::new(&presets::AERO, false);
+    flight.bench.faults.motor_open.tail = true;
+    assert_eq!(check(&mut flight), Verdict::NoMotion { motor: crate::first_power::Motor::Tail });
 }

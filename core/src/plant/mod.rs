@@ -4,13 +4,16 @@
 //! whole fraction of it.
 
 mod body;
+mod lag;
 mod parameters;
 pub mod presets;
 mod rotors;
 
 pub use body::{Dynamics, RigidBody, State};
+pub use lag::decay;
+pub(crate) use lag::{RotorTorque, bilinear_decay, follow, tustin_decay};
 pub use parameters::{Effectiveness, PlantParameters};
-pub use rotors::{IdealRotors, LaggedRotors, Thrust, TorqueOverStep, decay};
+pub use rotors::{IdealRotors, LaggedRotors, Thrust, TorqueOverStep};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::compensated::Compensated;
@@ -65,10 +68,10 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         State { angle: self.angle.map(Compensated::value), rate: self.rate.map(Compensated::value) }
     }
 
-    /// Its rotors.
-    #[inline(always)]
-    pub fn rotors(&self) -> &T {
-        &self.rotors
+    /// Puts it at `state`; its rotors turn on.
+    pub fn place(&mut self, state: State<R>) {
+        self.angle = state.angle.map(Compensated::new);
+        self.rate = state.rate.map(Compensated::new);
     }
 
     /// One step with `volts` held and `disturbance` \[V\] added to the volts in effect.
@@ -111,6 +114,13 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
             #[inline(always)]
             |f, w| f * w / (w * w + width * width).sqrt(),
         )
+    }
+}
+
+impl<R: Real> RealPlant<R> {
+    /// Stops its rotors at once.
+    pub fn stop_rotors(&mut self) {
+        self.rotors.volts = PerMotor::zero();
     }
 }
 

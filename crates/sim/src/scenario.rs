@@ -10,10 +10,10 @@ use serde::Deserialize;
 use std::path::Path;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::real::Real;
-use twinrotor::reference::{MAX_JUMPS, Profile, Reference, Trajectory, ticks};
+use twinrotor::reference::Reference;
+use twinrotor::trajectory::{MAX_JUMPS, Profile, Trajectory, ticks};
 
-/// \[s\] From tick to tick: 1 kHz.
-pub use twinrotor::parameters::SAMPLE_TIME;
+pub use twinrotor::SAMPLE_TIME;
 
 /// Longest flight \[s\]: a day would fill the memory with rows.
 const LONGEST: f64 = 3_600.0;

@@ -7,9 +7,10 @@ use std::time::Instant;
 
 use clap::Parser;
 use serde::Serialize;
+use twinrotor::SAMPLE_TIME;
 use twinrotor::link::ToBoard;
+use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::AREA_SIZE;
-use twinrotor::parameters::{Parameters, SAMPLE_TIME};
 use twinrotor::plant::presets::Rig;
 use twinrotor::supervisor::ArmState;
 use twinrotor::telemetry::Frame;

@@ -1,8 +1,8 @@
 use super::*;
 use std::collections::VecDeque;
+use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::gains;
-use twinrotor::parameters::SAMPLE_TIME;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;
 use twinrotor::replay::Replay;

@@ -29,7 +29,7 @@ use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
-use twinrotor::reference::ticks;
+use twinrotor::trajectory::ticks;
 use twinrotor_sim::lanes::LANES;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 

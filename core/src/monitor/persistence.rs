@@ -1,0 +1,21 @@
+//! Conditions that count only once they have held for a while.
+
+/// How long something has been so without a break.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Persistence {
+    ticks: u32,
+}
+
+impl Persistence {
+    /// That it has been so for `ticks` ticks.
+    pub(super) fn of(ticks: u32) -> Self {
+        Self { ticks }
+    }
+
+    /// Takes this tick's `now`; true from the `limit`th in a row on.
+    #[inline(always)]
+    pub(super) fn over(&mut self, now: bool, limit: u32) -> bool {
+        self.ticks = if now { self.ticks.saturating_add(1) } else { 0 };
+        self.ticks >= limit
+    }
+}
