@@ -15,8 +15,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let skipped = |path: &PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        name == "target"
-            || (name.starts_with('.') && ![".ci", ".cargo", ".github"].contains(&&*name))
+        name == "target" || (name.starts_with('.') && ![".ci", ".cargo", ".github"].contains(&&*name))
     };
     let kept = entries.filter(|path| !skipped(path));
     kept.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
