@@ -189,7 +189,7 @@ impl Effectiveness<f64> {
     /// products would give if they did not cancel; otherwise V = K⁻¹ U asks for a thousand times the volts.
     ///
     /// # Errors
-    /// If the determinant is zero or not finite.
+    /// If it is less.
     pub fn validate_inverse(&self) -> Result<(), Invalid> {
         let scale =
             (self.main_on_pitch * self.tail_on_yaw).abs() + (self.tail_on_pitch * self.main_on_yaw).abs();

@@ -6,7 +6,8 @@
 //!
 //! ```
 //! use twinrotor::{gains, plant::presets::PAPER};
-//! use twinrotor_sim::{Error, flight::Fidelity, gains_file::GainsFile, metrics::Criterion, scenario::Scenario};
+//! use twinrotor_sim::{Error, flight::Fidelity, gains_file::GainsFile};
+//! use twinrotor_sim::{metrics::Criterion, scenario::Scenario};
 //! use twinrotor_tune::integral::Objective;
 //! use twinrotor_tune::optimise::{Algorithm, Bounds, Draws, Setup, Variant};
 //! use twinrotor_tune::search::Search;
