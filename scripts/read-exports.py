@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads what `simulate --export` wrote with the tools that people use, and compares every number with the CSV.
+"""Reads what `simulate --export` wrote with the tools that people use; compares every number with the CSV.
 
     pip install numpy pyarrow mcap
     cargo run -p host-sim simulate --csv run.csv --export run.parquet   (then run.mcap, run.npz)

@@ -41,7 +41,8 @@ fi
 apt_install() {
   local missing=() package
   for package in "$@"; do
-    dpkg-query -Wf '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+    dpkg-query -Wf '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed ||
+      missing+=("$package")
   done
   [ ${#missing[@]} = 0 ] && return
   if [ -z "${apt_updated:-}" ]; then
@@ -89,7 +90,8 @@ TOML
   (
     cd "$work"
     unset RUSTUP_TOOLCHAIN CARGO_BUILD_TARGET CARGO_ENCODED_RUSTFLAGS CARGO_BUILD_RUSTFLAGS
-    PATH=/usr/bin:/bin RUSTC=$rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$work/target RUSTFLAGS=-Cembed-bitcode=yes \
+    PATH=/usr/bin:/bin RUSTC=$rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$work/target \
+      RUSTFLAGS=-Cembed-bitcode=yes \
       /usr/bin/cargo build -q --release --target "$target" -Zbuild-std=core,alloc \
       -Zbuild-std-features=compiler-builtins-mem >&2
   )

@@ -18,8 +18,8 @@ use crate::validate::{Invalid, both, not_negative, positive, require};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers would
-/// mean something else; the board then keeps its motors off until a record of this version is stored.
+/// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers
+/// would mean something else; the board then keeps its motors off until a record of this version is stored.
 pub const VERSION: u16 = 4;
 
 /// What a board runs with.
