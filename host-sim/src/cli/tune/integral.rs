@@ -21,6 +21,7 @@ use twinrotor_tune::optimise::{Bounds, Draws};
 
 /// Flags that act on ise, iae and itae.
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 #[command(next_help_heading = "With --objective ise, iae or itae")]
 pub(super) struct Args {
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own [default: step]

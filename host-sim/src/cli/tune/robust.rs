@@ -18,6 +18,7 @@ use twinrotor_tune::tunable::Tunable;
 
 /// Flags that act on the robust objective.
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 #[command(next_help_heading = "With --objective robust")]
 pub(super) struct Args {
     /// Which controller's design to start from [default: integral]
