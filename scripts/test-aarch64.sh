@@ -18,5 +18,6 @@ export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch
 # Optimised, the kernels take the compiler more than half an hour for this target; unoptimised, two minutes,
 # and much stack when they run.
 export RUST_MIN_STACK=1073741824
-cargo test --config 'profile.dev.package.host-sim.opt-level=0' \
-  --target aarch64-unknown-linux-gnu -p host-sim --lib lane
+cargo test --config 'profile.dev.package.twinrotor-sim.opt-level=0' \
+  --config 'profile.dev.package.twinrotor-tune.opt-level=0' \
+  --target aarch64-unknown-linux-gnu -p twinrotor-sim -p twinrotor-tune --lib lane
