@@ -8,7 +8,7 @@ rough=$(mktemp -d)
 trap 'rm -r "$rough"' EXIT
 
 search() {
-    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --fidelity rig --algorithm fpa-adaptive \
+    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --algorithm fpa-adaptive \
         --population 25 --iterations 39 "$@"
 }
 
