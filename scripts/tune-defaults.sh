@@ -8,8 +8,8 @@ rough=$(mktemp -d)
 trap 'rm -r "$rough"' EXIT
 
 search() {
-    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --fidelity rig \
-        --algorithm fpa-adaptive --population 25 --iterations 39 "$@"
+    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --algorithm fpa-adaptive \
+        --population 25 --iterations 39 "$@"
 }
 
 # tune PRESET CONTROLLER FILE SEED [LIMITS]: from the design on 32 plants, from there on 256, from there on
