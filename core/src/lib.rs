@@ -75,6 +75,7 @@ pub mod rotor_model;
 pub mod approach;
 pub mod first_power;
 pub mod monitor;
+pub mod sequence;
 pub mod supervisor;
 pub mod telemetry;
 
@@ -82,6 +83,7 @@ pub mod control_loop;
 pub mod pipeline;
 pub mod replay;
 
+pub mod conversation;
 pub mod defaults;
 pub mod link;
 pub mod parameters;

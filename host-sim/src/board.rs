@@ -4,9 +4,10 @@
 use crate::error::{Failure, Outcome};
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
-use twinrotor::link::{self, Decoder, Identity, MAX_FRAME, Refusal, ToBoard, ToHost};
+use twinrotor::link::{self, Decoder, Identity, LinkError, MAX_FRAME, Nonce, Refusal, ToBoard, ToHost};
 use twinrotor::parameters::{self, Parameters};
 use twinrotor::replay::{Replayed, Sample};
+use twinrotor::sequence::Sequence;
 
 /// \[baud\] Of the serial link.
 pub const BAUD: u32 = 1_000_000;
@@ -25,20 +26,26 @@ fn failed(error: std::io::Error) -> Failure {
 pub struct Board<P> {
     port: P,
     decoder: Decoder,
+    /// Number of the next message.
+    sequence: Sequence,
+    /// Of the board's boot, once it has said who it is.
+    nonce: Option<Nonce>,
 }
 
 impl<P: Read + Write> Board<P> {
     /// Over `port`.
     pub fn new(port: P) -> Self {
-        Self { port, decoder: Decoder::new() }
+        Self { port, decoder: Decoder::new(), sequence: Sequence::default(), nonce: None }
     }
 
     /// Who is there; refuses one that keeps its parameters in another version.
     pub fn identify(&mut self) -> Outcome<Identity> {
-        let identity = self.ask(&ToBoard::Identify, |answer| match answer {
+        let identity = self.ask(ToBoard::Identify, |answer| match answer {
             ToHost::Identity(identity) => Some(Ok(identity)),
             _ => None,
         })?;
+        self.sequence = identity.expected;
+        self.nonce = Some(identity.nonce);
         if identity.parameters == parameters::VERSION {
             return Ok(identity);
         }
@@ -51,7 +58,8 @@ impl<P: Read + Write> Board<P> {
 
     /// Sends the parameters, has them kept, reads them back and compares.
     pub fn write(&mut self, parameters: &Parameters) -> Outcome<()> {
-        self.ask(&ToBoard::WriteParameters(*parameters), |answer| match answer {
+        let nonce = self.nonce()?;
+        self.ask(ToBoard::WriteParameters(nonce, *parameters), |answer| match answer {
             ToHost::Saved => Some(Ok(())),
             ToHost::Refused(refusal) => Some(Err(Failure::Run(told(&refusal)))),
             _ => None,
@@ -70,7 +78,8 @@ impl<P: Read + Write> Board<P> {
     }
 
     fn read(&mut self) -> Outcome<Parameters> {
-        self.ask(&ToBoard::ReadParameters, |answer| match answer {
+        self.nonce()?;
+        self.ask(ToBoard::ReadParameters, |answer| match answer {
             ToHost::Parameters(parameters) => Some(Ok(parameters)),
             _ => None,
         })
@@ -79,8 +88,8 @@ impl<P: Read + Write> Board<P> {
     /// Ticks of a record through the board's own estimator and law, from sample 0 on in order. No more than
     /// [`AT_ONCE`] fit its buffer.
     pub fn replay(&mut self, samples: &[Sample]) -> Outcome<Vec<Replayed>> {
-        let messages: Vec<ToBoard> = samples.iter().map(|sample| ToBoard::Replay(*sample)).collect();
-        self.say(&messages)?;
+        self.nonce()?;
+        self.say(samples.iter().map(|sample| ToBoard::Replay(*sample)))?;
         let mut answers = Vec::with_capacity(samples.len());
         self.hear(|answer| match answer {
             ToHost::Replayed(replayed) => {
@@ -94,17 +103,27 @@ impl<P: Read + Write> Board<P> {
     }
 
     /// Sends a message and waits for the answer that `pick` takes.
-    fn ask<T>(&mut self, message: &ToBoard, pick: impl FnMut(ToHost) -> Option<Outcome<T>>) -> Outcome<T> {
-        self.say(std::slice::from_ref(message))?;
+    fn ask<T>(&mut self, message: ToBoard, pick: impl FnMut(ToHost) -> Option<Outcome<T>>) -> Outcome<T> {
+        self.say([message])?;
         self.hear(pick)
     }
 
-    fn say(&mut self, messages: &[ToBoard]) -> Outcome<()> {
+    /// What the board's boot is known by. Before it has said so, it takes no message of ours for new.
+    fn nonce(&mut self) -> Outcome<Nonce> {
+        match self.nonce {
+            Some(nonce) => Ok(nonce),
+            None => Ok(self.identify()?.nonce),
+        }
+    }
+
+    fn say(&mut self, messages: impl IntoIterator<Item = ToBoard>) -> Outcome<()> {
         // A zero byte ends whatever noise came before.
         let mut bytes = vec![0];
         for message in messages {
             let mut buffer = [0; MAX_FRAME];
-            bytes.extend(link::encode(message, &mut buffer).expect("every message fits its frame"));
+            let numbered = message.numbered(self.sequence);
+            self.sequence = self.sequence.next();
+            bytes.extend(link::encode(&numbered, &mut buffer).expect("every message fits its frame"));
         }
         self.port.write_all(&bytes).and_then(|()| self.port.flush()).map_err(failed)
     }
@@ -119,10 +138,16 @@ impl<P: Read + Write> Board<P> {
                 Err(error) => return Err(failed(error)),
             };
             for &byte in &bytes[..count] {
-                if let Some(Ok(answer)) = self.decoder.push::<ToHost>(byte)
-                    && let Some(outcome) = pick(answer)
-                {
-                    return outcome;
+                match self.decoder.push::<ToHost>(byte) {
+                    Some(Ok(answer)) => {
+                        if let Some(outcome) = pick(answer) {
+                            return outcome;
+                        }
+                    }
+                    Some(Err(error @ LinkError::Version { .. })) => {
+                        return Err(Failure::Run(error.to_string()));
+                    }
+                    Some(Err(LinkError::Damaged | LinkError::TooLong)) | None => {}
                 }
             }
         }
@@ -140,6 +165,13 @@ fn told(refusal: &Refusal) -> String {
         }
         Refusal::NoReplay => "the board has lost the beginning of the record: begin again".to_owned(),
         Refusal::Busy => "the board is busy: try again".to_owned(),
+        Refusal::Nonce => "the board has been reset since it said who it is: begin again".to_owned(),
+        Refusal::NoParameters => {
+            "no first-power check with built-in parameters: write those of the rig first".to_owned()
+        }
+        Refusal::Setpoint { field, low, high } => {
+            format!("the board refuses {field}; allowed: {low} to {high}")
+        }
         Refusal::Flash => "the board's flash did not hold what was written".to_owned(),
         Refusal::Range { field, allowed } => format!("the board refuses {field}; allowed: {allowed}"),
     }
@@ -157,8 +189,9 @@ mod tests {
     use super::*;
     use std::collections::VecDeque;
     use twinrotor::axes::{PerAxis, PerMotor};
+    use twinrotor::conversation::{self, Action, Conversation};
     use twinrotor::gains;
-    use twinrotor::parameters::SAMPLE_TIME;
+    use twinrotor::parameters::{Provenance, SAMPLE_TIME};
     use twinrotor::pipeline::Settings;
     use twinrotor::plant::presets;
     use twinrotor::replay::Replay;
@@ -169,14 +202,26 @@ mod tests {
     }
 
     /// A board that answers as the firmware does, telemetry and noise in between.
-    #[derive(Default)]
     struct Wire {
         decoder: Decoder,
-        kept: Option<Parameters>,
+        board: Conversation,
         forgets: bool,
         version: u16,
-        replay: Option<Replay>,
         out: VecDeque<u8>,
+    }
+
+    impl Default for Wire {
+        fn default() -> Self {
+            let board =
+                conversation::Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: Nonce(7), reset: None };
+            Self {
+                decoder: Decoder::new(),
+                board: Conversation::new(board, parameters(), Provenance::Missing),
+                forgets: false,
+                version: parameters::VERSION,
+                out: VecDeque::new(),
+            }
+        }
     }
 
     impl Wire {
@@ -191,32 +236,16 @@ mod tests {
     impl Write for Wire {
         fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
             for &byte in bytes {
-                match self.decoder.push::<ToBoard>(byte) {
-                    Some(Ok(ToBoard::Identify)) => self.say(&ToHost::Identity(Identity {
-                        firmware: link::text("0.1.0"),
-                        chip: link::text("stm32f405rg"),
-                        parameters: self.version,
-                        reset: None,
-                    })),
-                    Some(Ok(ToBoard::WriteParameters(new))) if new.limits.command_timeout == 1 => {
-                        self.say(&ToHost::Refused(Refusal::MotorsMayTurn));
+                let Some(received) = self.decoder.push(byte) else { continue };
+                match self.board.receive(received, true).action {
+                    Action::Answer(ToHost::Identity(identity)) => {
+                        self.say(&ToHost::Identity(Identity { parameters: self.version, ..identity }));
                     }
-                    Some(Ok(ToBoard::WriteParameters(new))) => {
-                        self.kept = Some(new);
-                        self.say(&ToHost::Saved);
-                    }
-                    Some(Ok(ToBoard::ReadParameters)) => {
-                        let kept = if self.forgets { None } else { self.kept };
-                        self.say(&ToHost::Parameters(
-                            kept.unwrap_or(Parameters { checked: true, ..parameters() }),
-                        ));
-                    }
-                    Some(Ok(ToBoard::Replay(sample))) => {
-                        if sample.number == 0 {
-                            self.replay = Some(Replay::new(&parameters(), &sample));
-                        }
-                        let answer = self.replay.as_mut().map(|replay| replay.step(&sample));
-                        self.say(&answer.map_or(ToHost::Refused(Refusal::NoReplay), ToHost::Replayed));
+                    Action::Answer(answer) => self.say(&answer),
+                    Action::Keep(new) => {
+                        let outcome = if self.forgets { Err(Refusal::MotorsMayTurn) } else { Ok(()) };
+                        let answer = self.board.kept(&new, outcome);
+                        self.say(&answer);
                     }
                     _ => {}
                 }
@@ -237,24 +266,46 @@ mod tests {
 
     #[test]
     fn parameters_are_sent_read_back_and_compared() {
-        let wire = Wire { version: parameters::VERSION, ..Wire::default() };
-        let mut board = Board::new(wire);
+        let mut board = Board::new(Wire::default());
         assert_eq!(board.identify().unwrap().chip, "stm32f405rg");
         board.write(&parameters()).unwrap();
-        assert_eq!(board.port.kept, Some(parameters()));
+        assert_eq!(board.port.board.parameters(), &parameters());
     }
 
     #[test]
-    fn a_board_that_forgets_refuses_or_speaks_another_version_is_told() {
-        let mut forgetful = Board::new(Wire { forgets: true, ..Wire::default() });
-        assert!(forgetful.write(&parameters()).unwrap_err().to_string().contains("other parameters"));
-        let mut refused = parameters();
-        refused.limits.command_timeout = 1;
-        let error = Board::new(Wire::default()).write(&refused).unwrap_err();
+    fn a_board_that_refuses_or_speaks_another_version_is_told() {
+        let error = Board::new(Wire { forgets: true, ..Wire::default() }).write(&parameters()).unwrap_err();
         assert!(error.to_string().contains("disarm"), "{error}");
+        let mut outside = parameters();
+        outside.limits.command_timeout = 0;
+        let error = Board::new(Wire::default()).write(&outside).unwrap_err();
+        assert!(error.to_string().contains("limits.command_timeout"), "{error}");
         let error = Board::new(Wire { version: 99, ..Wire::default() }).identify().unwrap_err();
         assert!(error.to_string().contains("version 99"), "{error}");
         assert_eq!(error.exit_status(), 1);
+    }
+
+    /// Older firmware: its telemetry alone tells.
+    #[test]
+    fn another_version_of_the_link_says_who_must_be_updated() {
+        let mut wire = Wire::default();
+        let body = [link::VERSION - 1, 0];
+        let crc = crc32fast::hash(&body).to_le_bytes();
+        let whole: Vec<u8> = body.into_iter().chain(crc).collect();
+        wire.out.extend(stuffed(&whole));
+        let error = Board::new(wire).identify().unwrap_err();
+        assert!(error.to_string().ends_with("update the board's firmware"), "{error}");
+    }
+
+    /// COBS of a short message, and the zero.
+    fn stuffed(bytes: &[u8]) -> Vec<u8> {
+        let mut out = Vec::new();
+        for block in bytes.split(|&byte| byte == 0) {
+            out.push(u8::try_from(block.len() + 1).unwrap());
+            out.extend(block);
+        }
+        out.push(0);
+        out
     }
 
     #[test]

@@ -17,6 +17,7 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Conditions, Request};
 
 /// What happened in one tick.
@@ -246,7 +247,8 @@ impl BoardLoop {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            command: command.as_ref(),
+            disarm: false,
+            command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
         })
     }
 }

@@ -98,7 +98,8 @@ impl Bench {
             current_limit: self.current_limit,
             senses: Conditions::NONE,
             heard: self.heard,
-            command: command.as_ref(),
+            disarm: false,
+            command: command.map(numbered).as_ref(),
         });
         self.plant.advance((self.motors)(self.applied), self.disturbance);
         self.lie_on_stop();
@@ -136,6 +137,10 @@ impl Bench {
         }
         None
     }
+}
+
+fn numbered(message: OperatorCommand) -> Numbered<OperatorCommand> {
+    Numbered { sequence: Sequence(1), message }
 }
 
 /// Rest at these angles \[rad\].

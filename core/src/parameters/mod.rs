@@ -13,7 +13,9 @@ use crate::first_power::Push;
 use crate::pipeline::Settings;
 use crate::plant::presets::Rig;
 use crate::real::Real;
+use crate::supervisor::{Condition, Conditions};
 use crate::validate::Invalid;
+use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Version of the record. Another one on flash is not read: the numbers would mean something else.
@@ -82,6 +84,61 @@ pub enum ParameterError {
     },
     /// The record does not fit its place on flash.
     TooLong,
+}
+
+/// Where the parameters in force come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Provenance {
+    /// From flash.
+    Stored,
+    /// Nothing is stored: they are built in.
+    Missing,
+    /// What is stored is of another version, so they are built in.
+    OtherVersion {
+        /// The version stored.
+        found: u16,
+    },
+    /// What is stored is damaged or out of range, so they are built in.
+    Damaged,
+}
+
+impl Provenance {
+    /// Of the parameters that a board falls back on because of `error`.
+    #[must_use]
+    pub const fn without(error: ParameterError) -> Self {
+        match error {
+            ParameterError::Version { found } => Self::OtherVersion { found },
+            _ => Self::Damaged,
+        }
+    }
+
+    /// What it says against arming.
+    #[must_use]
+    pub const fn conditions(self) -> Conditions {
+        let (missing, invalid) = match self {
+            Self::Stored => (false, false),
+            Self::Missing => (true, false),
+            Self::OtherVersion { .. } | Self::Damaged => (false, true),
+        };
+        Conditions::NONE
+            .with(Condition::ParametersMissing, missing)
+            .with(Condition::ParametersInvalid, invalid)
+    }
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Damaged => f.write_str("the parameter record is damaged: write the parameters anew"),
+            Self::Version { found } => write!(
+                f,
+                "the parameter record is of version {found}, and version {VERSION} is read: \
+                 write the parameters anew from rig and gains file"
+            ),
+            Self::Range { field, allowed } => write!(f, "{field} is out of range: {allowed}"),
+            Self::TooLong => f.write_str("the parameter record is longer than its place on flash"),
+        }
+    }
 }
 
 impl Parameters {
