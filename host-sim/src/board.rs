@@ -205,6 +205,7 @@ mod tests {
     struct Wire {
         decoder: Decoder,
         board: Conversation,
+        refuses: bool,
         forgets: bool,
         version: u16,
         out: VecDeque<u8>,
@@ -217,6 +218,7 @@ mod tests {
             Self {
                 decoder: Decoder::new(),
                 board: Conversation::new(board, parameters(), Provenance::Missing),
+                refuses: false,
                 forgets: false,
                 version: parameters::VERSION,
                 out: VecDeque::new(),
@@ -242,8 +244,9 @@ mod tests {
                         self.say(&ToHost::Identity(Identity { parameters: self.version, ..identity }));
                     }
                     Action::Answer(answer) => self.say(&answer),
+                    Action::Keep(_) if self.forgets => self.say(&ToHost::Saved),
                     Action::Keep(new) => {
-                        let outcome = if self.forgets { Err(Refusal::MotorsMayTurn) } else { Ok(()) };
+                        let outcome = if self.refuses { Err(Refusal::MotorsMayTurn) } else { Ok(()) };
                         let answer = self.board.kept(&new, outcome);
                         self.say(&answer);
                     }
@@ -273,8 +276,12 @@ mod tests {
     }
 
     #[test]
-    fn a_board_that_refuses_or_speaks_another_version_is_told() {
-        let error = Board::new(Wire { forgets: true, ..Wire::default() }).write(&parameters()).unwrap_err();
+    fn a_board_that_forgets_refuses_or_speaks_another_version_is_told() {
+        let mut other = parameters();
+        other.limits.command_timeout = 250;
+        let error = Board::new(Wire { forgets: true, ..Wire::default() }).write(&other).unwrap_err();
+        assert!(error.to_string().contains("other parameters"), "{error}");
+        let error = Board::new(Wire { refuses: true, ..Wire::default() }).write(&other).unwrap_err();
         assert!(error.to_string().contains("disarm"), "{error}");
         let mut outside = parameters();
         outside.limits.command_timeout = 0;

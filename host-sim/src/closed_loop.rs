@@ -11,7 +11,7 @@ use twinrotor::encoder::angle_per_count;
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::{Push, REST_TICKS};
 use twinrotor::monitor::SUPPLY_TICKS;
-use twinrotor::parameters::{EncoderScale, Limits, Parameters};
+use twinrotor::parameters::{EncoderScale, Limits, LostLink, Parameters};
 use twinrotor::pipeline::{Decision, Pipeline, Settings};
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
@@ -216,6 +216,7 @@ impl BoardLoop {
                 supply_low: 0.5 * supply,
                 supply_high: 2.0 * supply,
                 command_timeout: 60_000,
+                lost_link: LostLink::Off,
                 approach_rate: 1e9,
                 check: PerMotor::both(Push::default()),
             },

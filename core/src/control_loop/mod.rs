@@ -9,6 +9,7 @@ use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
 use crate::monitor::{Monitor, Seen};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
+use crate::real::Real;
 use crate::reference::Reference;
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
@@ -32,6 +33,8 @@ pub struct ControlLoop {
     verdict: Option<Verdict>,
     approach: Approach,
     drive: Drive<f32>,
+    /// \[V\] What the drive counts on at least.
+    supply_low: f32,
     conditions: Conditions,
     decision: Decision<f32>,
     supply: f32,
@@ -106,8 +109,9 @@ impl ControlLoop {
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters),
             verdict: None,
-            approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
+            approach: Approach::new(parameters),
             drive,
+            supply_low: parameters.limits.supply_low,
             conditions: Conditions::NONE,
             decision: Decision::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
@@ -189,8 +193,11 @@ impl ControlLoop {
         let reference = self.follow(command);
         self.decide(belief, reference, measured);
         self.supply = inputs.supply;
-        let duty = self.drive.duty(self.decision.allocation.volts, inputs.supply);
-        self.latched = self.drive.volts(duty, inputs.supply);
+        // Never below what is allowed: a supply read too low would give the motors more than they should have.
+        // In this order, a NaN stays one.
+        let supply = Real::max(self.supply_low, inputs.supply);
+        let duty = self.drive.duty(self.decision.allocation.volts, supply);
+        self.latched = self.drive.volts(duty, supply);
         self.tick = self.tick.wrapping_add(1);
         Outputs { duty, enable: self.state().motors_may_turn(), verdict: self.verdict }
     }
@@ -221,10 +228,13 @@ impl ControlLoop {
             estimate,
             applied: self.latched,
             supply: inputs.supply,
+            supply_before: self.supply,
             current_limit: inputs.current_limit,
             demand: self.decision.allocation.demand,
             zeroed: self.zeroed,
             armed: self.is_armed(),
+            motors_may_turn: self.state().motors_may_turn(),
+            landed: self.approach.has_landed(),
             heard: inputs.heard,
         });
         // A jump means lost counts: where zero was is no longer known.
@@ -254,7 +264,10 @@ impl ControlLoop {
                 self.monitor.restart();
                 self.approach.begin(measured);
             }
-            ArmState::Checking => self.check.restart(),
+            ArmState::Checking => {
+                self.monitor.restart();
+                self.check.restart();
+            }
             _ if before == ArmState::Armed => self.approach.level(),
             _ => {}
         }
@@ -271,7 +284,13 @@ impl ControlLoop {
             }
             _ => {}
         }
-        if self.is_armed() { self.approach.step() } else { self.approach.idle() }
+        if !self.is_armed() {
+            return self.approach.idle();
+        }
+        if self.monitor.has_just_lost_link() {
+            self.approach.lose_link();
+        }
+        self.approach.step()
     }
 
     /// Takes where the rig lies for its rest pose.

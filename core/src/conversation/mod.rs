@@ -45,10 +45,6 @@ pub struct Response {
 
 /// What is to be done about a message.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "an action lives for one exchange; there is no heap to put the record on"
-)]
 pub enum Action {
     /// Nothing.
     Nothing,

@@ -28,12 +28,12 @@ use serde::{Deserialize, Serialize};
 /// Version of the messages, the first byte of each.
 pub const VERSION: u8 = 3;
 /// \[byte\] The most that a frame of telemetry takes on the wire.
-pub const MAX_TELEMETRY: usize = 90;
+pub const MAX_TELEMETRY: u32 = 90;
 
 /// \[1/s\] Frames of telemetry that a line of `baud` carries: 10 bits a byte, with start and stop bit.
 #[must_use]
 pub const fn frames_per_second(baud: u32) -> u32 {
-    baud / (10 * MAX_TELEMETRY as u32)
+    baud / (10 * MAX_TELEMETRY)
 }
 
 /// \[ticks\] From frame to frame, of 1,000 ticks a second, as close as a line of `baud` carries them; for

@@ -140,7 +140,7 @@ fn telemetry_takes_at_most_90_bytes() {
         controller: InForce { accepted: Kept::Unsaved, trial: TrialPhase::FadingOut, blend: 100 },
     };
     let length = framed(&ToHost::Frame(longest)).len();
-    assert!(length <= MAX_TELEMETRY, "{length} bytes");
+    assert!(length <= MAX_TELEMETRY as usize, "{length} bytes");
 }
 
 #[test]

@@ -19,7 +19,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Version of the record. Another one on flash is not read: the numbers would mean something else.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 
 /// \[s\] From tick to tick on a board.
 pub const SAMPLE_TIME: f64 = 1e-3;
@@ -53,17 +53,41 @@ pub struct Limits {
     pub pitch: f32,
     /// \[rad/s\] Largest rate about each axis; above 0.
     pub rate: PerAxis<f32>,
-    /// \[V\] Lowest supply of the amplifiers; above 0.
+    /// \[V\] Lowest supply of the amplifiers; above 0. A reading below it counts as this much, so that a
+    /// wrong one never gives a motor more than this makes of its demand.
     pub supply_low: f32,
     /// \[V\] Highest supply of the amplifiers; above the lowest.
     pub supply_high: f32,
-    /// \[ticks\] How long the host may be silent while armed; at least 1.
+    /// \[ticks\] How long the host may be silent while the motors may turn; at least 1.
     pub command_timeout: u32,
+    /// What is done when it has been silent for so long.
+    pub lost_link: LostLink,
     /// \[rad/s\] How fast the reference moves from where the rig lies to the setpoint after arming; above 0.
     pub approach_rate: f32,
     /// What the first-power check gives one motor at a time, and what comes of it.
     pub check: PerMotor<Push>,
 }
+
+/// What becomes of a flight whose host has fallen silent. The first-power check always ends at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LostLink {
+    /// Motors off.
+    #[default]
+    Off,
+    /// The reference stays where it is for so long, then motors off.
+    Hold {
+        /// \[ticks\] 1 to 60,000.
+        ticks: u32,
+    },
+    /// The reference goes to the rest pose's pitch at `limits.approach_rate`, yaw stays; there, or after
+    /// [`LAND_TICKS`], motors off. A host that comes back within that time has the rig again with its next
+    /// setpoint.
+    Land,
+}
+
+/// \[ticks\] The longest landing.
+pub const LAND_TICKS: u32 = 60_000;
 
 /// A parameter that cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,8 +168,7 @@ impl fmt::Display for ParameterError {
 impl Parameters {
     /// For a rig and a controller: settings as given, the rest as the rig has it.
     ///
-    /// The supply may be between half the motors' limit and 25 % above it. The host may be silent for half a
-    /// second. The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit:
+    /// The host may be silent for half a second; then the motors are switched off. The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit:
     /// with less, real friction holds the yaw axis of an Aero, which needs 7 to 8 V to break away.
     pub fn new(rig: &Rig, settings: &Settings<f64>) -> Self {
         let scale = |counts: u32, rest: f64| {
@@ -155,16 +178,16 @@ impl Parameters {
                 rest_counts: round(rest / angle_per_count),
             }
         };
-        let highest = rig.volts_limit.main.max(rig.volts_limit.tail);
         Self {
             settings: settings.map(f32::from_f64),
             encoders: rig.encoder_counts.zip(rig.rest_angle, scale),
             limits: Limits {
                 pitch: f32::from_f64(rig.envelope.pitch),
                 rate: rig.envelope.rate.cast(),
-                supply_low: f32::from_f64(0.5 * highest),
-                supply_high: f32::from_f64(1.25 * highest),
+                supply_low: f32::from_f64(rig.supply.lowest),
+                supply_high: f32::from_f64(rig.supply.highest),
                 command_timeout: 500,
+                lost_link: LostLink::Off,
                 approach_rate: 0.5,
                 check: Push::predicted(rig, rig.volts_limit.map(|limit| 0.5 * limit)),
             },
@@ -238,6 +261,8 @@ impl Limits {
         let supply = self.supply_high.is_finite() && self.supply_low < self.supply_high;
         require(supply, "limits.supply_high", "above limits.supply_low")?;
         require((1..=60_000).contains(&self.command_timeout), "limits.command_timeout", "1 to 60000 ticks")?;
+        let holds = !matches!(self.lost_link, LostLink::Hold { ticks } if !(1..=60_000).contains(&ticks));
+        require(holds, "limits.lost_link.ticks", "1 to 60000 ticks")?;
         positive("limits.approach_rate", self.approach_rate)?;
         let volts = |push: Push, limit| push.volts > 0.0 && push.volts <= limit;
         let allowed = self.check.zip(volts_limit, volts);
