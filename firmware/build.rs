@@ -4,7 +4,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
-use twinrotor::parameters::{Parameters, SAMPLE_TIME, store};
+use twinrotor::SAMPLE_TIME;
+use twinrotor::parameters::{Parameters, store};
 use twinrotor::pipeline::Settings;
 use twinrotor::{defaults, plant::presets};
 

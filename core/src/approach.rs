@@ -147,8 +147,8 @@ impl Approach {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SAMPLE_TIME;
     use crate::gains;
-    use crate::parameters::SAMPLE_TIME;
     use crate::pipeline::Settings;
     use crate::plant::presets::HELI;
 

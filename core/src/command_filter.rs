@@ -135,7 +135,7 @@ impl<R: Real> CommandFilter<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Trajectory;
+    use crate::trajectory::Trajectory;
     use std::vec::Vec;
 
     const T: f64 = 1e-3;

@@ -21,14 +21,31 @@
 //!
 //! 1. [`encoder`]: counter readings to angles.
 //! 2. [`estimator`]: angles to angles, rates and disturbances, with the rotors as [`rotor_model`] has them.
-//! 4. [`mod@reference`]: what is wanted to a reference with derivatives, shaped by [`command_filter`].
+//! 3. [`monitor`] finds what is wrong; [`supervisor`] decides from it and from the operator's request whether
+//!    the motors may turn.
+//! 4. [`mod@reference`]: where to be. [`approach`] leads from the rest pose to the operator's setpoint after
+//!    arming; [`command_filter`] shapes what is left of jumps into derivatives that belong together.
 //! 5. [`law`]: both to the torque on each axis, eqs (26)-(27).
-//! 6. [`allocation`]: torque to motor volts, eqs (28)-(29), within limits, after [`lead`] against rotor lag.
+//! 6. [`allocation`]: torque, after [`lead`] against rotor lag, to motor volts within limits, eqs (28)-(29).
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers.
+//! 8. [`telemetry`]: the frame of the tick.
 //!
-//! [`pipeline`] is steps 2, 4, 5 and 6 over any [`Real`](real::Real), [`control_loop`] all of it. "Eq. (26)"
-//! and "Table 3" mean those of "Backstepping control of Quanser's 2-DOF Helicopter under disturbance and
-//! actuator saturation based on Flower Pollination Algorithm".
+//! [`pipeline`] is steps 2, 4 (its filter), 5 and 6 over any [`Real`](real::Real); [`control_loop`] is the
+//! whole tick in `f32`. While the supervisor says so, [`first_power`] takes the place of steps 4 to 6: it turns
+//! one motor at a time to check the wiring. [`replay`] takes a recorded tick through the pipeline.
+//!
+//! # Beside the tick
+//!
+//! - Numbers: [`real`] (the arithmetic), [`compensated`] (sums), [`axes`] (axis and motor apart by type),
+//!   [`validate`] (what is wrong with a value).
+//! - The helicopter: [`plant`] integrates it, [`bench`] shows it as its cables do, [`trajectory`] has the
+//!   references that a simulation follows.
+//! - The controller's settings: [`gains`], [`controller`], and [`defaults`], what each preset starts from.
+//! - The board's data: [`parameters`], the record it flies with, and [`link`], its messages, numbered by
+//!   [`sequence`]. [`conversation`] is what it answers to each.
+//!
+//! "Eq. (26)" and "Table 3" mean those of "Backstepping control of Quanser's 2-DOF Helicopter under
+//! disturbance and actuator saturation based on Flower Pollination Algorithm".
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -49,44 +66,58 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod real;
-pub mod trig;
-
+// Numbers.
 pub mod axes;
 pub mod compensated;
+pub mod real;
 pub mod validate;
 
+// The helicopter, simulated.
+pub mod bench;
 pub mod plant;
+pub mod trajectory;
 
-pub mod gains;
-
-pub mod allocation;
-pub mod command_filter;
-pub mod controller;
-pub mod drive;
-
+// The tick, step by step.
 pub mod encoder;
+
 pub mod estimator;
-pub mod law;
-pub mod lead;
-pub mod reference;
 pub mod rotor_model;
 
-pub mod approach;
-pub mod first_power;
 pub mod monitor;
-pub mod sequence;
 pub mod supervisor;
+
+pub mod approach;
+pub mod command_filter;
+pub mod reference;
+
+pub mod law;
+
+pub mod allocation;
+pub mod lead;
+
+pub mod drive;
+
 pub mod telemetry;
 
+// The tick as a whole, and what may take its place.
 pub mod control_loop;
+pub mod first_power;
 pub mod pipeline;
 pub mod replay;
 
-pub mod conversation;
+// The controller's settings.
+pub mod controller;
 pub mod defaults;
+pub mod gains;
+
+// The board's data, and what it says.
+pub mod conversation;
 pub mod link;
 pub mod parameters;
+pub mod sequence;
+
+/// \[s\] From tick to tick, on a board and wherever one is simulated: 1 kHz.
+pub const SAMPLE_TIME: f64 = 1e-3;
 
 /// \[rad\] One degree. Inside the core angles are in rad; this is for constants that a source gives in
 /// degrees.

@@ -188,10 +188,11 @@ pub fn open(name: &str) -> Outcome<Board<Box<dyn serialport::SerialPort>>> {
 mod tests {
     use super::*;
     use std::collections::VecDeque;
+    use twinrotor::SAMPLE_TIME;
     use twinrotor::axes::{PerAxis, PerMotor};
     use twinrotor::conversation::{self, Action, Conversation};
     use twinrotor::gains;
-    use twinrotor::parameters::{Provenance, SAMPLE_TIME};
+    use twinrotor::parameters::Provenance;
     use twinrotor::pipeline::Settings;
     use twinrotor::plant::presets;
     use twinrotor::replay::Replay;

@@ -4,8 +4,11 @@
 //! thousands of runs. The board's own [`ControlLoop`] flies in [`BoardLoop`]; a test shows that [`RigLoop`]
 //! gives its bits.
 
+pub use twinrotor::bench::Hardware;
+
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
+use twinrotor::bench::{Bench, Encoders};
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::angle_per_count;
 use twinrotor::estimator::Estimate;
@@ -77,58 +80,6 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
     }
 }
 
-/// The sensors and amplifiers of a real rig.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hardware {
-    /// Counts a revolution.
-    pub encoder_counts: PerAxis<u32>,
-    /// \[counts\] 0..1: where between two counts the start pose lies.
-    pub encoder_phase: PerAxis<f64>,
-    /// Compare steps between zero and full voltage.
-    pub pwm_steps: u32,
-    /// \[V\] Supply of the amplifiers.
-    pub supply: f64,
-}
-
-impl Hardware {
-    /// `rig`'s, with a supply that just reaches the larger voltage limit.
-    pub fn of(rig: &Rig, encoder_phase: PerAxis<f64>) -> Self {
-        Self {
-            encoder_counts: rig.encoder_counts,
-            encoder_phase,
-            pwm_steps: rig.pwm_steps,
-            supply: rig.volts_limit.main.max(rig.volts_limit.tail),
-        }
-    }
-}
-
-/// The counts that two encoders show.
-#[derive(Debug, Clone, Copy)]
-struct Encoders<R> {
-    counts_per_angle: PerAxis<R>,
-    phase: PerAxis<R>,
-}
-
-impl<R: Real> Encoders<R> {
-    fn new(hardware: &Hardware, phase: PerAxis<R>) -> Self {
-        let turn = core::f64::consts::TAU;
-        Self {
-            counts_per_angle: hardware.encoder_counts.map(|c| R::from_f64(f64::from(c) / turn)),
-            phase: phase.map(|p| p - R::from_f64(0.5)),
-        }
-    }
-
-    /// Whole counts from zero at true angles \[rad\].
-    #[inline(always)]
-    fn counts(&self, angle: PerAxis<R>) -> PerAxis<R> {
-        let exact = angle.zip(self.counts_per_angle, |a, c| a * c);
-        exact.plus(self.phase).map(
-            #[inline(always)]
-            |c| c.round(),
-        )
-    }
-}
-
 /// The rig's world: encoder counts, estimated rates, rotor lag and whatever else the plant has, PWM steps,
 /// and volts that act one tick after they were computed.
 #[derive(Debug, Clone, Copy)]
@@ -155,7 +106,7 @@ impl<R: Real> RigLoop<R> {
         encoder_phase: PerAxis<R>,
         settings: &Settings<R>,
     ) -> Self {
-        let encoders = Encoders::<R>::new(hardware, encoder_phase);
+        let encoders = Encoders::<R>::new(hardware.encoder_counts, encoder_phase);
         let angle_per_count: PerAxis<R> = hardware.encoder_counts.map(angle_per_count);
         let counts = encoders.counts(plant.state().angle);
         let start = counts.zip(angle_per_count, |c, a| c * a);
@@ -189,32 +140,25 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
 /// The rig's world with the control loop that the firmware runs, counters that wrap included.
 #[derive(Debug, Clone, Copy)]
 pub struct BoardLoop {
-    plant: RealPlant<f32>,
-    encoders: Encoders<f32>,
+    bench: Bench<f32>,
     control: ControlLoop,
-    drive: Drive<f32>,
-    supply: f32,
-    latched: PerMotor<f32>,
 }
 
 impl BoardLoop {
     /// As [`RigLoop::new`]: zeroed where it stands, and to be armed by the first tick. Its envelope is as
     /// wide as it goes, and its reference jumps to the first setpoint instead of approaching it.
     pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
-        let encoders = Encoders::<f32>::new(hardware, hardware.encoder_phase.cast());
-        let counts = encoders.counts(plant.state().angle).map(whole);
-        let supply = f32::from_f64(hardware.supply);
+        let bench = Bench::new(plant, hardware);
         let parameters = Parameters {
             settings: *settings,
-            encoders: hardware.encoder_counts.zip(counts, |counts_per_turn, rest_counts| EncoderScale {
-                angle_per_count: angle_per_count(counts_per_turn),
-                rest_counts,
+            encoders: hardware.encoder_counts.zip(bench.position(), |counts_per_turn, rest_counts| {
+                EncoderScale { angle_per_count: angle_per_count(counts_per_turn), rest_counts }
             }),
             limits: Limits {
                 pitch: core::f32::consts::FRAC_PI_2,
                 rate: PerAxis::both(1e3),
-                supply_low: 0.5 * supply,
-                supply_high: 2.0 * supply,
+                supply_low: 0.5 * bench.supply,
+                supply_high: 2.0 * bench.supply,
                 command_timeout: 60_000,
                 lost_link: LostLink::Off,
                 approach_rate: 1e9,
@@ -222,9 +166,8 @@ impl BoardLoop {
             },
             checked: true,
         };
-        let drive = Drive::new(hardware.pwm_steps);
-        let control = ControlLoop::new(&parameters, counters(counts), drive, None);
-        let mut board = Self { plant, encoders, control, drive, supply, latched: PerMotor::zero() };
+        let control = ControlLoop::new(&parameters, bench.counters(), Drive::new(hardware.pwm_steps), None);
+        let mut board = Self { bench, control };
         for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
             board.step(None);
         }
@@ -236,15 +179,14 @@ impl BoardLoop {
     /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that
     /// for good.
     pub fn is_armed(&self) -> bool {
-        self.control.state() == twinrotor::supervisor::ArmState::Armed
+        self.control.state() == ArmState::Armed
     }
 
     /// The board's tick; the plant stands still.
-    fn step(&mut self, command: Option<OperatorCommand>) -> twinrotor::control_loop::Outputs {
-        let counts = self.encoders.counts(self.plant.state().angle).map(whole);
+    fn step(&mut self, command: Option<OperatorCommand>) -> Outputs {
         self.control.tick(&Inputs {
-            counters: counters(counts),
-            supply: self.supply,
+            counters: self.bench.counters(),
+            supply: self.bench.supply,
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
@@ -254,28 +196,17 @@ impl BoardLoop {
     }
 }
 
-/// What 16-bit counters show.
-fn counters(counts: PerAxis<i32>) -> PerAxis<u32> {
-    counts.map(|count| count.cast_unsigned() & 0xFFFF)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
-fn whole(counts: f32) -> i32 {
-    counts as i32
-}
-
 impl ClosedLoop<f32> for BoardLoop {
     fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
-        let state = self.plant.state();
+        let state = self.bench.state();
         let mut setpoint = Some(OperatorCommand::Setpoint(*reference));
         if self.control.state() == ArmState::Ready {
             self.step(setpoint.take());
             setpoint = Some(OperatorCommand::Request(Request::Arm));
         }
         let outputs = self.step(setpoint);
-        let applied = self.latched;
-        self.latched = self.drive.volts(outputs.duty, self.supply);
-        self.plant.advance(applied, disturbance);
+        self.bench.disturbance = disturbance;
+        let applied = self.bench.tick(outputs.duty, outputs.enable);
         Tick { state, setpoint: reference.angle, decision: *self.control.decision(), applied }
     }
 }

@@ -52,8 +52,8 @@ pub fn intel_hex(image: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use twinrotor::SAMPLE_TIME;
     use twinrotor::gains;
-    use twinrotor::parameters::SAMPLE_TIME;
     use twinrotor::pipeline::Settings;
     use twinrotor::plant::presets;
 

@@ -202,7 +202,7 @@ impl<S: Simd> Real for Lanes<S> {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        twinrotor::trig::sin_cos(self)
+        twinrotor::real::trig::sin_cos(self)
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Truths<S> {

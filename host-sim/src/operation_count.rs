@@ -79,7 +79,7 @@ impl Real for Counted {
         counted(Self(Real::sqrt(self.0)))
     }
     fn sin_cos(self) -> (Self, Self) {
-        twinrotor::trig::sin_cos(self)
+        twinrotor::real::trig::sin_cos(self)
     }
     fn lt(self, other: Self) -> bool {
         counted(self.0 < other.0)

@@ -11,10 +11,10 @@ use std::fs;
 use std::path::Path;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::real::Real;
-use twinrotor::reference::{MAX_JUMPS, Profile, Reference, Trajectory, ticks};
+use twinrotor::reference::Reference;
+use twinrotor::trajectory::{MAX_JUMPS, Profile, Trajectory, ticks};
 
-/// \[s\] From tick to tick: 1 kHz.
-pub const SAMPLE_TIME: f64 = 1e-3;
+pub use twinrotor::SAMPLE_TIME;
 
 /// Longest flight \[s\]: a day would fill the memory with rows.
 const LONGEST: f64 = 3_600.0;

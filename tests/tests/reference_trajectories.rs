@@ -8,7 +8,8 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::PAPER;
 use twinrotor::real::Real;
-use twinrotor::reference::{Reference, Trajectory};
+use twinrotor::reference::Reference;
+use twinrotor::trajectory::Trajectory;
 use twinrotor::{DEGREE, gains};
 
 /// 1e-10 rad over the whole run, in f64, with volts held for a tick.

@@ -6,7 +6,7 @@ use crate::drive::{Drive, Duty};
 use crate::encoder::{CounterWidth, Encoder};
 use crate::estimator::{Belief, Estimate};
 use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
-use crate::monitor::{Monitor, Seen};
+use crate::monitor::{Monitor, Observation};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
 use crate::real::Real;
@@ -107,7 +107,7 @@ impl ControlLoop {
             pipeline: Pipeline::new(&parameters.settings, encoders.map(|e| e.angle())),
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
-            check: FirstPowerCheck::new(parameters),
+            check: FirstPowerCheck::new(parameters.limits.check),
             verdict: None,
             approach: Approach::new(parameters),
             drive,
@@ -223,7 +223,7 @@ impl ControlLoop {
     }
 
     fn find_conditions(&mut self, inputs: &Inputs<'_>, estimate: &Estimate<f32>, moved: PerAxis<i32>) {
-        let seen = self.monitor.check(&Seen {
+        let found = self.monitor.check(&Observation {
             moved,
             estimate,
             applied: self.latched,
@@ -238,8 +238,8 @@ impl ControlLoop {
             heard: inputs.heard,
         });
         // A jump means lost counts: where zero was is no longer known.
-        self.zeroed &= !(seen.contains(Condition::PitchJump) || seen.contains(Condition::YawJump));
-        self.conditions = seen
+        self.zeroed &= !(found.contains(Condition::PitchJump) || found.contains(Condition::YawJump));
+        self.conditions = found
             .union(inputs.senses)
             .with(Condition::NotZeroed, !self.zeroed)
             .with(Condition::NotChecked, !self.checked);

@@ -29,9 +29,10 @@ pub(super) fn outside(limits: &Limits, setpoint: &Reference<f32>) -> Option<Refu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SAMPLE_TIME;
     use crate::axes::PerAxis;
     use crate::gains;
-    use crate::parameters::{Parameters, SAMPLE_TIME};
+    use crate::parameters::Parameters;
     use crate::pipeline::Settings;
     use crate::plant::presets;
 

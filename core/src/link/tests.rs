@@ -1,7 +1,7 @@
 use super::*;
+use crate::SAMPLE_TIME;
 use crate::axes::{PerAxis, PerMotor};
 use crate::gains;
-use crate::parameters::SAMPLE_TIME;
 use crate::pipeline::Settings;
 use crate::plant::presets;
 use crate::supervisor::{ArmState, Conditions};

@@ -16,6 +16,7 @@
 //! | `CommandTimeout` | armed or checking, and no message for `limits.command_timeout`; armed, with `limits.lost_link` other than `off`, when holding or landing has ended | that many ticks |
 
 mod motion;
+mod persistence;
 
 pub use motion::{
     LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE, MOTION_TICKS, MOTION_WINDOW, STILL_TICKS,
@@ -27,6 +28,7 @@ use crate::estimator::Estimate;
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};
 use crate::supervisor::{Condition, Conditions};
 use motion::Motion;
+use persistence::Persistence;
 
 /// How many times the largest rate an encoder may show in one tick.
 pub const JUMP_MARGIN: f32 = 2.0;
@@ -43,7 +45,7 @@ pub const CURRENT_TICKS: u32 = 5;
 
 /// What the rules look at in one tick.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen<'a> {
+pub struct Observation<'a> {
     /// \[counts\] Motion of each encoder since the last tick.
     pub moved: PerAxis<i32>,
     /// What is believed.
@@ -127,7 +129,7 @@ impl Monitor {
             motion: Motion::new(parameters),
             until_motion: MOTION_EVERY,
             disagrees: PerAxis::both(false),
-            supply: Persistence { ticks: SUPPLY_TICKS },
+            supply: Persistence::of(SUPPLY_TICKS),
             current: Persistence::default(),
             silent: 0,
         }
@@ -149,61 +151,39 @@ impl Monitor {
 
     /// What is wrong in this tick.
     #[inline(always)]
-    pub fn check(&mut self, seen: &Seen<'_>) -> Conditions {
+    pub fn check(&mut self, observed: &Observation<'_>) -> Conditions {
         let b = &self.limits;
-        let state = &seen.estimate.state;
-        let jumped = seen.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
-        let outside = !(seen.supply >= b.supply_low && seen.supply <= b.supply_high);
+        let state = &observed.estimate.state;
+        let jumped = observed.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
+        let outside = !(observed.supply >= b.supply_low && observed.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
-        let steep = seen.zeroed && state.angle.pitch.abs() > b.pitch;
+        let steep = observed.zeroed && state.angle.pitch.abs() > b.pitch;
         // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
         let sum = (state.angle.pitch + state.angle.yaw)
             + (state.rate.pitch + state.rate.yaw)
-            + (seen.demand.main + seen.demand.tail);
-        self.motion.moved(seen.moved);
+            + (observed.demand.main + observed.demand.tail);
+        self.motion.moved(observed.moved);
         self.until_motion = self.until_motion.wrapping_sub(1);
         if self.until_motion == 0 {
             self.until_motion = MOTION_EVERY;
-            self.disagrees = self.motion.disagrees(seen);
+            self.disagrees = self.motion.disagrees(observed);
         }
-        self.silent = if seen.heard { 0 } else { self.silent.saturating_add(1) };
-        let timeout = if seen.armed && !seen.landed { b.flight_timeout } else { b.command_timeout };
-        let silent = seen.motors_may_turn && self.silent >= timeout;
+        self.silent = if observed.heard { 0 } else { self.silent.saturating_add(1) };
+        let timeout = if observed.armed && !observed.landed { b.flight_timeout } else { b.command_timeout };
+        let silent = observed.motors_may_turn && self.silent >= timeout;
         // False with a NaN.
-        let steady = (seen.supply - seen.supply_before).abs() <= SUPPLY_JUMP * seen.supply_before;
+        let steady = (observed.supply - observed.supply_before).abs() <= SUPPLY_JUMP * observed.supply_before;
         Conditions::NONE
             .with(Condition::PitchJump, jumped.pitch)
             .with(Condition::YawJump, jumped.yaw)
-            .with(Condition::PitchMotion, seen.armed && self.disagrees.pitch)
-            .with(Condition::YawMotion, seen.armed && self.disagrees.yaw)
+            .with(Condition::PitchMotion, observed.armed && self.disagrees.pitch)
+            .with(Condition::YawMotion, observed.armed && self.disagrees.yaw)
             .with(Condition::AngleEnvelope, steep)
             .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
             .with(Condition::NonFinite, !sum.is_finite())
             .with(Condition::SupplyRange, self.supply.over_more_often(outside, SUPPLY_TICKS))
             .with(Condition::SupplyJump, !steady)
-            .with(Condition::CurrentLimit, self.current.over(seen.current_limit, CURRENT_TICKS))
+            .with(Condition::CurrentLimit, self.current.over(observed.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)
-    }
-}
-
-/// How long something has been so without a break.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Persistence {
-    ticks: u32,
-}
-
-impl Persistence {
-    /// Takes this tick's `now`; true from the `limit`th in a row on.
-    #[inline(always)]
-    fn over(&mut self, now: bool, limit: u32) -> bool {
-        self.ticks = if now { self.ticks.saturating_add(1) } else { 0 };
-        self.ticks >= limit
-    }
-
-    /// The same, but that one good tick undoes one bad one: true once there were `limit` more bad ones.
-    #[inline(always)]
-    fn over_more_often(&mut self, now: bool, limit: u32) -> bool {
-        self.ticks = if now { Ord::min(self.ticks + 1, limit) } else { self.ticks.saturating_sub(1) };
-        self.ticks >= limit
     }
 }

@@ -1,6 +1,7 @@
 //! Whether the encoders show the motion that the voltages should have given.
 
-use super::{Persistence, Seen};
+use super::Observation;
+use super::persistence::Persistence;
 use crate::axes::{PerAxis, PerMotor};
 use crate::estimator::bilinear_decay;
 use crate::parameters::Parameters;
@@ -13,7 +14,7 @@ pub const MOTION_WINDOW: f32 = 0.2;
 pub const LOAD_WINDOW: f32 = 1.0;
 /// Share of full voltage's push from which on a motion is expected.
 pub const MOTION_PUSH: f32 = 0.2;
-/// Share of the expected motion that must be seen. Generous: constants are wrong by 30 %, lags by 100 ms.
+/// Share of the expected motion that must be observed. Generous: constants are wrong by 30 %, lags by 100 ms.
 pub const MOTION_SHARE: f32 = 0.1;
 /// Share of full voltage's push by which it may change while an encoder shows no motion at all.
 pub const STUCK_PUSH: f32 = 0.06;
@@ -148,12 +149,12 @@ impl Motion {
 
     /// Of every [`MOTION_EVERY`]th.
     #[inline(always)]
-    pub(super) fn disagrees(&mut self, seen: &Seen<'_>) -> PerAxis<bool> {
-        let state = &seen.estimate.state;
+    pub(super) fn disagrees(&mut self, observed: &Observation<'_>) -> PerAxis<bool> {
+        let state = &observed.estimate.state;
         let rate = state.rate;
-        let missing = self.rotor_volts.minus(seen.applied);
-        self.rotor_volts = seen.applied.plus(missing.zip(self.rotor_decay, |m, d| m * d));
-        let (acting, behind) = (self.rotor_volts, seen.applied.minus(self.rotor_volts));
+        let missing = self.rotor_volts.minus(observed.applied);
+        self.rotor_volts = observed.applied.plus(missing.zip(self.rotor_decay, |m, d| m * d));
+        let (acting, behind) = (self.rotor_volts, observed.applied.minus(self.rotor_volts));
         let reaction = PerAxis::new(self.reaction.tail * behind.tail, self.reaction.main * behind.main);
         let thrust = self.linear.torque(acting).plus(self.quadratic.torque(acting.map(|v| v * v.abs())));
         let torque = thrust.plus(reaction);

@@ -8,6 +8,7 @@
 pub mod ram_flash;
 pub mod store;
 
+use crate::SAMPLE_TIME;
 use crate::axes::{PerAxis, PerMotor};
 use crate::first_power::Push;
 use crate::pipeline::Settings;
@@ -20,9 +21,6 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the record. Another one on flash is not read: the numbers would mean something else.
 pub const VERSION: u16 = 5;
-
-/// \[s\] From tick to tick on a board.
-pub const SAMPLE_TIME: f64 = 1e-3;
 
 /// What a board runs with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -65,10 +65,10 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         State { angle: self.angle.map(Compensated::value), rate: self.rate.map(Compensated::value) }
     }
 
-    /// Its rotors.
-    #[inline(always)]
-    pub fn rotors(&self) -> &T {
-        &self.rotors
+    /// Puts it at `state`; its rotors turn on.
+    pub fn place(&mut self, state: State<R>) {
+        self.angle = state.angle.map(Compensated::new);
+        self.rate = state.rate.map(Compensated::new);
     }
 
     /// One step with `volts` held and `disturbance` \[V\] added to the volts in effect.
@@ -111,6 +111,13 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
             #[inline(always)]
             |f, w| f * w / (w * w + width * width).sqrt(),
         )
+    }
+}
+
+impl<R: Real> RealPlant<R> {
+    /// Stops its rotors at once.
+    pub fn stop_rotors(&mut self) {
+        self.rotors.volts = PerMotor::zero();
     }
 }
 

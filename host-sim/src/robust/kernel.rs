@@ -12,7 +12,8 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::{Mask, Real};
-use twinrotor::reference::{Reference, ticks};
+use twinrotor::reference::Reference;
+use twinrotor::trajectory::ticks;
 
 /// \[rad\] An error beyond which a flight has diverged: a turn.
 const DIVERGED: f64 = core::f64::consts::TAU;

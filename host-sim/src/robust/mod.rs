@@ -35,7 +35,7 @@ use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
-use twinrotor::reference::ticks;
+use twinrotor::trajectory::ticks;
 
 /// A cost must exceed its bound by this part before the rest is left out: its sums are rounded.
 const SURELY: f64 = 1.0 + 1e-9;

@@ -4,12 +4,12 @@ use host_sim::closed_loop::Tick;
 use host_sim::flight::{Flight, Row};
 use host_sim::metrics::Metrics;
 use host_sim::scenario::Scenario;
+use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
-use twinrotor::parameters::SAMPLE_TIME;
 use twinrotor::pipeline::Decision;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::Rig;
@@ -41,7 +41,7 @@ const RISE: u64 = 8_000;
 pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<(), Failure> {
     wait(station, u64::from(REST_TICKS) + 100, told)?;
     if station.heard.conditions().contains(&Condition::NotChecked) {
-        station.machine.rig(|rig: &mut Helicopter| rig.stand(true));
+        station.machine.rig(|rig: &mut Helicopter| rig.set_table(true));
         station.request(Request::Check);
         reach(station, ArmState::Checking, told)?;
         station.run_until(PATIENCE, |heard| !heard.verdicts.is_empty());
@@ -56,7 +56,7 @@ pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<
     }
     reach(station, ArmState::Ready, told)?;
     station.aim(PerAxis::both(0.0));
-    station.machine.rig(|rig: &mut Helicopter| rig.stand(false));
+    station.machine.rig(|rig: &mut Helicopter| rig.set_table(false));
     station.request(Request::Arm);
     reach(station, ArmState::Armed, told)?;
     wait(station, RISE, told)
@@ -117,7 +117,7 @@ pub fn fly(
             sent = reference;
         }
         if disturbance != blown {
-            station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturbance = disturbance);
+            station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturb(disturbance));
             blown = disturbance;
         }
         left += references.len() as u64;

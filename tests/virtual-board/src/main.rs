@@ -15,9 +15,10 @@ use host_sim::metrics::Report;
 use host_sim::scenario::Scenario;
 use host_sim::{figures, flash, plot, replay, rig};
 use serde::Serialize;
+use twinrotor::SAMPLE_TIME;
 use twinrotor::link::ToBoard;
+use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::AREA_SIZE;
-use twinrotor::parameters::{Parameters, SAMPLE_TIME};
 use twinrotor::plant::presets::Rig;
 use twinrotor::supervisor::ArmState;
 use twinrotor::telemetry::Frame;
@@ -255,8 +256,7 @@ fn image(args: &Args, rig: &Rig) -> Outcome<Vec<u8>> {
         };
     }
     let gains = GainsFile::load(&args.gains)?;
-    let settings = twinrotor::pipeline::Settings { sample_time: SAMPLE_TIME, ..gains.settings(rig) };
-    flash::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &settings) })
+    flash::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &gains.settings(rig)) })
 }
 
 fn event(frame: &Frame) -> String {

@@ -79,12 +79,12 @@ fn the_first_power_check_passes_a_well_wired_rig_and_lets_it_arm() {
 #[test]
 fn the_first_power_check_names_what_is_wired_wrongly() {
     let cases: [(fn(&mut Helicopter), Verdict); 3] = [
-        (|heli| heli.broken.motors_swapped = true, Verdict::Wrong(Fault::MotorsSwapped)),
-        (|heli| heli.broken.reversed.yaw = true, Verdict::Wrong(Fault::YawReversed)),
+        (|heli| heli.faults().motors_swapped = true, Verdict::Wrong(Fault::MotorsSwapped)),
+        (|heli| heli.faults().encoder_reversed.yaw = true, Verdict::Wrong(Fault::YawReversed)),
         (
             |heli| {
-                heli.broken.stuck.pitch = true;
-                heli.broken.stuck.yaw = true;
+                heli.faults().encoder_stuck.pitch = true;
+                heli.faults().encoder_stuck.yaw = true;
             },
             Verdict::NoMotion { motor: Motor::Main },
         ),

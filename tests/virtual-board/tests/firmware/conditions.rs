@@ -99,17 +99,17 @@ fn a_supply_too_high() {
 
 #[test]
 fn an_encoder_that_jumps() {
-    expect(Condition::PitchJump, 1, |station| with_rig(station, |heli| heli.broken.slipped.pitch = 100));
-    expect(Condition::YawJump, 1, |station| with_rig(station, |heli| heli.broken.slipped.yaw = -100));
+    expect(Condition::PitchJump, 1, |station| with_rig(station, |heli| heli.faults().slip.pitch = 100));
+    expect(Condition::YawJump, 1, |station| with_rig(station, |heli| heli.faults().slip.yaw = -100));
 }
 
 #[test]
 fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
     let cases: [(Condition, fn(&mut Helicopter)); 4] = [
-        (Condition::PitchMotion, |heli| heli.broken.stuck.pitch = true),
-        (Condition::PitchMotion, |heli| heli.broken.reversed.pitch = true),
-        (Condition::YawMotion, |heli| heli.broken.stuck.yaw = true),
-        (Condition::YawMotion, |heli| heli.broken.reversed.yaw = true),
+        (Condition::PitchMotion, |heli| heli.faults().encoder_stuck.pitch = true),
+        (Condition::PitchMotion, |heli| heli.faults().encoder_reversed.pitch = true),
+        (Condition::YawMotion, |heli| heli.faults().encoder_stuck.yaw = true),
+        (Condition::YawMotion, |heli| heli.faults().encoder_reversed.yaw = true),
     ];
     for (cause, spoil) in cases {
         for (rig, parameters) in both() {
@@ -124,7 +124,7 @@ fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
 #[test]
 fn pitch_beyond_the_envelope() {
     // Four counts a millisecond are 8.7 rad/s, and 40 degrees in 80 ms: more than any rig here can climb.
-    expect(Condition::AngleEnvelope, 100, |station| with_rig(station, |heli| heli.broken.drifting.pitch = 4));
+    expect(Condition::AngleEnvelope, 100, |station| with_rig(station, |heli| heli.faults().drift.pitch = 4));
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn a_rate_beyond_the_envelope() {
         parameters.limits.rate.pitch = 2.0;
         let station = &mut flying_with(&rig, &parameters);
         expect_of(station, Condition::RateEnvelope, 100, |station| {
-            with_rig(station, |heli| heli.broken.drifting.pitch = 3)
+            with_rig(station, |heli| heli.faults().drift.pitch = 3)
         });
     }
 }

@@ -7,10 +7,9 @@
 //! way of connecting things wrongly. Two ways look the same from here: both motors reversed, or both
 //! encoders; the verdict names the motors.
 
+mod prediction;
+
 use crate::axes::{PerAxis, PerMotor};
-use crate::parameters::{Parameters, SAMPLE_TIME};
-use crate::plant::presets::Rig;
-use crate::plant::{PlantParameters, RealPlant, State};
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
@@ -37,48 +36,6 @@ pub struct Push {
     pub swapped: PerAxis<f32>,
     /// \[rad\] The same if this motor turns backwards.
     pub reversed: PerAxis<f32>,
-}
-
-impl Push {
-    /// What `volts` on one motor at a time do to a rig, by its whole model: friction may hold one axis, the
-    /// reaction of a rotor that starts to turn may outweigh its thrust, and a nose that its weight pulls down
-    /// lies on something.
-    pub fn predicted(rig: &Rig, volts: PerMotor<f64>) -> PerMotor<Self> {
-        let push = |volts, own: fn(f64) -> PerMotor<f64>, other: fn(f64) -> PerMotor<f64>| Self {
-            volts: f32::from_f64(volts),
-            motion: motion(rig, own(volts)),
-            swapped: motion(rig, other(volts)),
-            reversed: motion(rig, own(-volts)),
-        };
-        let main = |volts| PerMotor::new(volts, 0.0);
-        let tail = |volts| PerMotor::new(0.0, volts);
-        PerMotor::new(push(volts.main, main, tail), push(volts.tail, tail, main))
-    }
-}
-
-/// \[rad\] How far `volts` turn the rig from its rest pose until a push ends.
-fn motion(rig: &Rig, volts: PerMotor<f64>) -> PerAxis<f32> {
-    let rest = State::at_rest(rig.rest_angle);
-    let lies = rig.plant.center_of_mass > 0.0;
-    // A nose that is too light is held; only one that is too heavy lies by itself.
-    let gravity = if lies { rig.plant.gravity } else { 0.0 };
-    let constants = PlantParameters { gravity, ..rig.plant };
-    let mut plant = RealPlant::<f64>::new(&constants, rest, SAMPLE_TIME);
-    let mut moved = PerAxis::zero();
-    for _ in 0..PUSH_TICKS {
-        plant.advance(volts, PerMotor::zero());
-        let mut body = plant.state();
-        if lies && body.angle.pitch < rest.angle.pitch {
-            body.angle.pitch = rest.angle.pitch;
-            body.rate.pitch = 0.0;
-            plant = RealPlant::assemble(constants, *plant.rotors(), body, SAMPLE_TIME);
-        }
-        moved = body.angle.minus(rest.angle).cast();
-        if farthest(moved) > FAR_ENOUGH {
-            break;
-        }
-    }
-    moved
 }
 
 /// What the check found.
@@ -155,11 +112,11 @@ pub struct FirstPowerCheck {
 }
 
 impl FirstPowerCheck {
-    /// For these parameters, ready to start.
+    /// With these pushes, ready to start.
     #[must_use]
-    pub fn new(parameters: &Parameters) -> Self {
+    pub fn new(pushes: PerMotor<Push>) -> Self {
         Self {
-            pushes: parameters.limits.check,
+            pushes,
             phase: Phase::Settle(Motor::Main),
             ticks: 0,
             start: PerAxis::zero(),

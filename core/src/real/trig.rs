@@ -13,7 +13,7 @@
 //! The polynomial wins: libm needs double precision, which the board does not have, and micromath's error
 //! is a thousand times the quantisation that a test against `f64` would forgive.
 
-use crate::real::{Mask, Real};
+use super::{Mask, Real};
 use core::hint::cold_path;
 
 /// 2/pi.
@@ -33,7 +33,7 @@ const FIRST_QUADRANT: f64 = 0.785;
 /// Sine and cosine of `x` \[rad\] in single precision.
 ///
 /// Good for |x| up to 8,000 rad; beyond that accuracy fades (references are reduced before they get here,
-/// see [`crate::reference`]). NaN and infinity give NaN.
+/// see [`crate::trajectory`]). NaN and infinity give NaN.
 ///
 /// Where all lanes are in the first quadrant, as a helicopter's pitch is, nothing is reduced or exchanged.
 /// The bits are those of the whole routine: with a quadrant of zero it would subtract three zeros and choose

@@ -1,0 +1,161 @@
+//! One simulated rig on its bench, as its cables show it: the plant, encoders that count, a stop to rest on,
+//! amplifiers with their supply, and faults of the wiring.
+//!
+//! Volts in, counts out, tick by tick: what a board's port to its plant reads and writes. Every simulated rig
+//! is one of these: that of the tests, of the simulator's board loop, of the first-power check's prediction,
+//! of the emulated board.
+
+mod encoders;
+mod faults;
+
+pub use encoders::{Encoders, Hardware};
+pub use faults::Faults;
+
+use crate::axes::{PerAxis, PerMotor};
+use crate::drive::{Drive, Duty};
+use crate::plant::presets::Rig;
+use crate::plant::{RealPlant, State};
+use crate::real::Real;
+
+/// A simulated rig; a step of its plant is a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bench<R> {
+    plant: RealPlant<R>,
+    encoders: Encoders<R>,
+    /// \[counts\] Where the shafts are.
+    position: PerAxis<i32>,
+    /// \[counts\] What the encoders have counted since they were switched on.
+    counted: PerAxis<i32>,
+    drive: Drive<R>,
+    /// \[V\] What the duties of the last [`Bench::tick`] will give.
+    latched: PerMotor<R>,
+    /// \[rad\] Pitch of the rest pose, where the rig's weight pulls its nose down on to something.
+    rest_pitch: Option<R>,
+    table: bool,
+    held: bool,
+    /// \[V\] Supply of the amplifiers.
+    pub supply: R,
+    /// \[V\] Added to the volts in effect.
+    pub disturbance: PerMotor<R>,
+    /// What is wrong with the cables.
+    pub faults: Faults,
+}
+
+impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
+    /// A plant as it stands, on nothing, with counters that start at zero.
+    pub fn new(plant: RealPlant<R>, hardware: &Hardware) -> Self {
+        let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
+        Self {
+            position: encoders.counts(plant.state().angle).map(whole),
+            plant,
+            encoders,
+            counted: PerAxis::both(0),
+            drive: Drive::new(hardware.pwm_steps),
+            latched: PerMotor::zero(),
+            rest_pitch: None,
+            table: false,
+            held: false,
+            supply: R::from_f64(hardware.supply),
+            disturbance: PerMotor::zero(),
+            faults: Faults::default(),
+        }
+    }
+
+    /// `rig` in its rest pose, with ticks of `sample_time` \[s\]. If its weight pulls its nose down it has a
+    /// stop: one of its own if it rests below the horizontal, else a table that may be
+    /// [put under it](Bench::set_table).
+    pub fn at_rest(rig: &Rig, sample_time: f64) -> Self {
+        let plant = RealPlant::new(&rig.plant, State::at_rest(rig.rest_angle.cast()), sample_time);
+        let nose_heavy = rig.plant.center_of_mass > 0.0;
+        Self {
+            rest_pitch: nose_heavy.then(|| R::from_f64(rig.rest_angle.pitch)),
+            ..Self::new(plant, &Hardware::of(rig, PerAxis::both(0.5)))
+        }
+    }
+
+    /// Something is under the rig that bears its weight in its rest pose, or is taken away. A rig that rests
+    /// nose down always has its stop.
+    pub fn set_table(&mut self, table: bool) {
+        self.table = table;
+    }
+
+    /// Somebody catches the rig, stops its rotors, and holds it until the amplifiers are switched on.
+    pub fn hold(&mut self) {
+        self.held = true;
+        self.plant.place(State::at_rest(self.plant.state().angle));
+        self.plant.stop_rotors();
+    }
+
+    /// The same rig around another plant.
+    #[must_use]
+    pub fn with_plant(self, plant: RealPlant<R>) -> Self {
+        Self { plant, ..self }
+    }
+
+    /// Where the rig truly is.
+    pub fn state(&self) -> State<R> {
+        self.plant.state()
+    }
+
+    /// \[counts\] Whole counts of both shafts, from the horizontal, whatever the encoders show.
+    pub fn position(&self) -> PerAxis<i32> {
+        self.position
+    }
+
+    /// \[counts\] What the encoders have counted since they were switched on.
+    pub fn counted(&self) -> PerAxis<i32> {
+        self.counted
+    }
+
+    /// What counters of 16 bits show.
+    pub fn counters(&self) -> PerAxis<u32> {
+        self.counted.map(|count| count.cast_unsigned() & 0xFFFF)
+    }
+
+    /// A tick passes with `volts` \[V\] from the amplifiers, which are `enabled` or not.
+    pub fn advance(&mut self, volts: PerMotor<R>, enabled: bool) {
+        self.held &= !enabled;
+        if !self.held {
+            self.plant.advance(self.faults.motor_volts(volts), self.disturbance);
+            self.rest_on_stop();
+        }
+        self.count();
+    }
+
+    /// A tick passes at whose beginning the PWM latches the duties of the tick before: `duty` acts from the
+    /// next one on. Amplifiers that are not `enabled` give nothing at once. Answers the volts \[V\] that the
+    /// amplifiers gave.
+    pub fn tick(&mut self, duty: PerMotor<Duty<R>>, enabled: bool) -> PerMotor<R> {
+        let volts = if enabled { self.latched } else { PerMotor::zero() };
+        self.latched = self.drive.volts(duty, self.supply);
+        self.advance(volts, enabled);
+        volts
+    }
+
+    fn rest_on_stop(&mut self) {
+        let Some(lowest) = self.rest_pitch else { return };
+        let mut body = self.plant.state();
+        if (self.table || lowest.lt(R::zero())) && body.angle.pitch.lt(lowest) {
+            body.angle.pitch = lowest;
+            body.rate.pitch = R::zero();
+            self.plant.place(body);
+        }
+    }
+
+    fn count(&mut self) {
+        let position = self.encoders.counts(self.plant.state().angle).map(whole);
+        let turned = position.zip(self.position, i32::wrapping_sub);
+        self.position = position;
+        self.counted = self.counted.zip(self.faults.counted(turned), i32::wrapping_add);
+    }
+}
+
+/// A whole number of counts as an integer.
+#[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
+fn whole(counts: impl Into<f64>) -> i32 {
+    let counts: f64 = counts.into();
+    counts as i32
+}
+
+#[cfg(test)]
+mod tests;
