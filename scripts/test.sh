@@ -1,14 +1,18 @@
 #!/usr/bin/env bash
-# All tests of the project, from a bare clone: the host's, then the firmware built, read and flown on the virtual board.
+# All tests of the project, from a bare clone: the host's, then the firmware built, read and flown on the
+# virtual board.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. scripts/stage.sh
 
-cargo test --workspace --exclude firmware
+stage "tests on the host" cargo test --workspace --exclude firmware
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"
-RUSTUP_TOOLCHAIN="$toolchain" cargo fw
-RUSTUP_TOOLCHAIN="$toolchain" cargo fw --features sign-magnitude --target-dir target/sign-magnitude
-cargo test -p firmware
+firmware() { RUSTUP_TOOLCHAIN="$toolchain" cargo fw "$@"; }
+stage "firmware" firmware
+stage "firmware, sign and magnitude" firmware --features sign-magnitude --target-dir target/sign-magnitude
+stage "tests of the firmware as a file" cargo test -p firmware
+
 cd tests/virtual-board
-cargo test --release --ignore-rust-version
+stage "tests on the virtual board" cargo test --release --ignore-rust-version

@@ -26,21 +26,19 @@
 use crate::axes::PerAxis;
 use crate::real::Real;
 use crate::reference::Reference;
-use crate::validate::{Invalid, both, not_negative, positive};
-use serde::{Deserialize, Serialize};
 
-/// How fast the filter is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FilterSettings<R> {
-    /// \[rad/s\] ω of each axis, above 0.
-    pub bandwidth: PerAxis<R>,
-    /// \[-\] ζ of each axis' pair of poles, above 0. Left out, 1: three equal poles.
-    pub damping: Option<PerAxis<R>>,
-    /// \[s\] T_a of each axis: how far ahead the acceleration is asked for, at least 0. Left out, 0.
-    pub advance: Option<PerAxis<R>>,
-    /// \[rad\] Beyond this error each axis goes at a steady rate; above 0. Left out, there is none.
-    pub reach: Option<PerAxis<R>>,
+settings! {
+    /// How fast the filter is.
+    pub struct FilterSettings<R> at "filter." {
+        /// ω of each axis: its pole, and the size of its pair of poles.
+        bandwidth: (PerAxis<R>) "rad/s", (above 0), typical 1.0 to 30.0, default 5.0;
+        /// ζ of each axis' pair of poles. Left out, 1: three equal poles.
+        damping: (Option<PerAxis<R>>) "-", (above 0), typical 0.6 to 4.0, default 1.0;
+        /// T_a of each axis: how far ahead the acceleration is asked for. Left out, 0.
+        advance: (Option<PerAxis<R>>) "s", (at least 0), typical 0.0 to 0.6, default 0.0;
+        /// Beyond this error each axis goes at a steady rate. Left out, there is no such bound.
+        reach: (Option<PerAxis<R>>) "rad", (above 0), typical 0.1 to 3.0, default f64::INFINITY;
+    }
 }
 
 /// The filter at work.
@@ -57,33 +55,6 @@ pub struct CommandFilter<R> {
     now: Reference<R>,
     /// What was asked for last: the same a tick ago, with the acceleration ahead.
     asked: Reference<R>,
-}
-
-impl<R: Real> FilterSettings<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> FilterSettings<U> {
-        FilterSettings {
-            bandwidth: self.bandwidth.map(&mut f),
-            damping: self.damping.map(|damping| damping.map(&mut f)),
-            advance: self.advance.map(|advance| advance.map(&mut f)),
-            reach: self.reach.map(|reach| reach.map(f)),
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> FilterSettings<R> {
-    /// Usable numbers.
-    ///
-    /// # Errors
-    /// Names the field.
-    pub fn validate(&self) -> Result<(), Invalid<R>> {
-        both(["filter.bandwidth.pitch", "filter.bandwidth.yaw"], self.bandwidth, positive)?;
-        let given =
-            |fields, values: Option<PerAxis<R>>, check| values.map_or(Ok(()), |v| both(fields, v, check));
-        given(["filter.damping.pitch", "filter.damping.yaw"], self.damping, positive)?;
-        given(["filter.advance.pitch", "filter.advance.yaw"], self.advance, not_negative)?;
-        given(["filter.reach.pitch", "filter.reach.yaw"], self.reach, positive)
-    }
 }
 
 impl<R: Real> CommandFilter<R> {

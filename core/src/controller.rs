@@ -8,7 +8,8 @@ use crate::gains::Gains;
 use crate::law::LawSettings;
 use crate::lead::Lead;
 use crate::real::Real;
-use crate::validate::{Invalid, both, not_negative};
+use crate::settings::{Field, Table, change, check};
+use crate::validate::Invalid;
 use serde::{Deserialize, Serialize};
 
 /// Law, estimator and all that may stand around them. Each part works with each other.
@@ -32,6 +33,16 @@ pub struct ControllerSettings<R> {
     pub cancellation: Option<PerAxis<R>>,
 }
 
+/// The table of [`ControllerSettings::cancellation`].
+pub(crate) struct Cancellation;
+
+table! {
+    [] [Cancellation] at ("") {
+        /// α: how much of the estimated disturbance is cancelled.
+        cancellation: (PerAxis<R>) "-", (at least 0), typical 0.0 to 1.0, default 0.0;
+    }
+}
+
 fn none<T>() -> Option<T> {
     None
 }
@@ -51,7 +62,7 @@ impl<R: Real> ControllerSettings<R> {
     }
 
     /// Each number through `f`, in a fixed order.
-    pub fn map<U: Copy>(self, mut f: impl FnMut(R) -> U) -> ControllerSettings<U> {
+    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> ControllerSettings<U> {
         ControllerSettings {
             law: self.law.map(&mut f),
             estimator: self.estimator.map(&mut f),
@@ -61,10 +72,68 @@ impl<R: Real> ControllerSettings<R> {
             cancellation: self.cancellation.map(|x| x.map(&mut f)),
         }
     }
+
+    /// Replaces each number by what `f` makes of it and its field, in the order of the tables. What is not
+    /// there is left out.
+    pub fn change(&mut self, mut f: impl FnMut(&'static Field, R) -> R) {
+        let fields = self.law.fields();
+        change(&mut self.law, fields, &mut f);
+        let fields = self.estimator.fields();
+        change(&mut self.estimator, fields, &mut f);
+        if let Some(filter) = &mut self.filter {
+            change(filter, FilterSettings::<R>::FIELDS, &mut f);
+        }
+        let fields = self.allocation.fields();
+        change(&mut self.allocation, fields, &mut f);
+        if let Some(lead) = &mut self.lead {
+            change(lead, Lead::<R>::FIELDS, &mut f);
+        }
+        change(&mut self.cancellation, Cancellation::FIELDS, &mut f);
+    }
+
+    /// Shows each number with its field, in the order of the tables. What is not there is left out.
+    pub fn visit(&self, mut f: impl FnMut(&'static Field, R)) {
+        let mut copy = *self;
+        copy.change(|field, value| {
+            f(field, value);
+            value
+        });
+    }
+
+    /// The number of this name, if this controller has it.
+    pub fn get(&self, name: &str) -> Option<R> {
+        let mut found = None;
+        self.visit(|field, value| {
+            if field.name == name {
+                found = Some(value);
+            }
+        });
+        found
+    }
 }
 
 impl<R: Real<Mask = bool>> ControllerSettings<R> {
-    /// Every number usable.
+    /// Sets the number of this name. Gives whether this controller has it.
+    ///
+    /// # Errors
+    /// Names the field and what is allowed, and changes nothing.
+    pub fn set(&mut self, name: &str, value: R) -> Result<bool, Invalid<R>> {
+        let (mut known, mut outcome) = (false, Ok(()));
+        self.change(|field, old| {
+            if field.name != name {
+                return old;
+            }
+            known = true;
+            if field.range.allows(value) {
+                return value;
+            }
+            outcome = Err(Invalid { field: field.name, value, allowed: field.range.allowed() });
+            old
+        });
+        outcome.map(|()| known)
+    }
+
+    /// Every number allowed.
     ///
     /// # Errors
     /// Names the field.
@@ -74,7 +143,6 @@ impl<R: Real<Mask = bool>> ControllerSettings<R> {
         self.filter.map_or(Ok(()), |filter| filter.validate())?;
         self.allocation.validate()?;
         self.lead.map_or(Ok(()), |lead| lead.validate())?;
-        self.cancellation
-            .map_or(Ok(()), |share| both(["cancellation.pitch", "cancellation.yaw"], share, not_negative))
+        check(&self.cancellation, Cancellation::RULES)
     }
 }

@@ -1,5 +1,6 @@
 //! The controllers that boards boot with, one for each preset: the numbers of the committed gains files,
-//! which say how they were tuned. A test of the host holds the two equal.
+//! which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the host holds the
+//! two equal.
 
 use crate::allocation::AllocationSettings;
 use crate::axes::PerAxis;
@@ -198,3 +199,8 @@ pub const ALL: [(&str, ControllerSettings<f64>); 6] = [
     ("aero-lab", AERO_LAB),
     ("heli", HELI),
 ];
+
+/// The default of the preset of this name.
+pub fn named(preset: &str) -> Option<ControllerSettings<f64>> {
+    ALL.into_iter().find(|(name, _)| *name == preset).map(|(_, controller)| controller)
+}

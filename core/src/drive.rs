@@ -3,6 +3,10 @@
 use crate::axes::PerMotor;
 use crate::real::Real;
 
+/// \[steps\] From zero to the full supply, of a locked anti-phase bridge at 20 kHz, centre-aligned, from a timer
+/// of 168 MHz: 168e6 / 20e3 / 2 / 2. The presets' and the firmware's.
+pub const FULL_STEPS: u32 = 2_100;
+
 /// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<R> {
@@ -67,7 +71,7 @@ mod tests {
         fn within_half_a_step_and_never_beyond_the_supply(
             main in -60.0_f32..60.0, tail in -60.0_f32..60.0, supply in 10.0_f32..30.0,
         ) {
-            let drive = Drive::<f32>::new(2100);
+            let drive = Drive::<f32>::new(FULL_STEPS);
             let asked = PerMotor::new(main, tail);
             let duty = drive.duty(asked, supply);
             let given = drive.volts(duty, supply);
@@ -83,7 +87,7 @@ mod tests {
 
     #[test]
     fn nothing_that_is_not_finite_reaches_a_duty() {
-        let drive = Drive::<f32>::new(2100);
+        let drive = Drive::<f32>::new(FULL_STEPS);
         let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
         for b in bad {
             assert_eq!(drive.duty(PerMotor::new(b, 12.0), 24.0).main.steps(), 0);

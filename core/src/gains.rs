@@ -1,19 +1,17 @@
 //! The gains of the backstepping law, and the only place that knows the paper's order k1..k4.
 
 use crate::axes::PerAxis;
-use crate::real::Real;
-use crate::validate::{Invalid, positive};
-use serde::{Deserialize, Serialize};
 
-/// The two gains of one axis. The closed loop has K_p = 1 + position x rate and K_d = position + rate, so the
-/// two may be swapped without changing anything.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisGains<R> {
-    /// \[1/s\] Of the angle error: μ1 (pitch), μ3 (yaw). Above 0.
-    pub position: R,
-    /// \[1/s\] Of the rate error: μ2 (pitch), μ4 (yaw). Above 0.
-    pub rate: R,
+settings! {
+    /// The two gains of one axis. The closed loop has K_p = 1 + position x rate and K_d = position + rate, so
+    /// the two may be swapped without changing anything.
+    #[derive(Default)]
+    pub struct AxisGains<R> at "pitch.", "yaw." {
+        /// Of the angle error: μ1 (pitch), μ3 (yaw).
+        position: (R) "1/s", (above 0), typical 1.0 to 25.0, default 4.0;
+        /// Of the rate error: μ2 (pitch), μ4 (yaw).
+        rate: (R) "1/s", (above 0), typical 1.0 to 25.0, default 10.0;
+    }
 }
 
 /// The four gains of eqs (26)-(27).
@@ -41,23 +39,12 @@ impl<R: Copy> Gains<R> {
         let (p, y) = (self.pitch, self.yaw);
         [p.position, p.rate, y.position, y.rate]
     }
-
-    /// Each gain through `f`.
-    pub fn map_gains<U: Copy>(self, f: impl FnMut(R) -> U) -> Gains<U> {
-        Gains::from_paper_order(self.to_paper_order().map(f))
-    }
-}
-
-impl<R: Real<Mask = bool>> Gains<R> {
-    /// Every gain finite and above zero, as the law's stability proof asks.
-    pub fn validate(&self) -> Result<(), Invalid<R>> {
-        NAMES.into_iter().zip(self.to_paper_order()).try_for_each(|(name, value)| positive(name, value))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::LawSettings;
 
     #[test]
     fn the_papers_order_is_pitch_position_pitch_rate_yaw_position_yaw_rate() {
@@ -73,10 +60,10 @@ mod tests {
             for k in 0..4 {
                 let mut order = PAPER.to_paper_order();
                 order[k] = bad;
-                let error = Gains::from_paper_order(order).validate().unwrap_err();
+                let error = LawSettings::Backstepping(Gains::from_paper_order(order)).validate().unwrap_err();
                 assert_eq!(error.field, NAMES[k]);
             }
         }
-        assert_eq!(PAPER.validate(), Ok(()));
+        assert_eq!(LawSettings::Backstepping(PAPER).validate(), Ok(()));
     }
 }

@@ -10,15 +10,13 @@
 
 use crate::axes::PerMotor;
 use crate::real::Real;
-use crate::validate::{Invalid, require};
-use serde::{Deserialize, Serialize};
 
-/// How much lead.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Lead<R> {
-    /// \[-\] κ, of .1 to 10; 1 changes nothing.
-    pub factor: R,
+settings! {
+    /// How much lead.
+    pub struct Lead<R> at "lead." {
+        /// κ: how many times as fast the rotors are to answer; 1 changes nothing.
+        factor: (R) "-", (0.1 to 10), typical 1.0 to 4.0, default 1.0;
+    }
 }
 
 impl<R: Real> Lead<R> {
@@ -26,23 +24,6 @@ impl<R: Real> Lead<R> {
     #[inline(always)]
     pub fn apply(&self, wanted: PerMotor<R>, in_effect: PerMotor<R>) -> PerMotor<R> {
         in_effect.plus(wanted.minus(in_effect).scaled(self.factor))
-    }
-
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> Lead<U> {
-        Lead { factor: f(self.factor) }
-    }
-}
-
-impl<R: Real<Mask = bool>> Lead<R> {
-    /// A usable factor.
-    ///
-    /// # Errors
-    /// Names the field.
-    pub fn validate(&self) -> Result<(), Invalid<R>> {
-        let k = self.factor;
-        let usable = R::from_f64(0.1).le(k) & k.le(R::from_f64(10.0));
-        require("lead.factor", k, usable, "0.1 to 10")
     }
 }
 

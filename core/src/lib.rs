@@ -66,6 +66,10 @@
 #[cfg(test)]
 extern crate std;
 
+// Settings as data, declared once; the macro stands before what it declares.
+#[macro_use]
+pub mod settings;
+
 // Numbers.
 pub mod axes;
 pub mod compensated;

@@ -277,7 +277,8 @@ mod tests {
 
     #[test]
     fn a_restart_is_a_new_start_but_for_what_motors_do_not_forget() {
-        for ((_, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
+        for (name, rig) in presets::ALL {
+            let controller = defaults::named(name).expect("a controller for every preset");
             let settings = Settings::new(&rig, controller, 1e-3).map(f32::from_f64);
             let start = PerAxis::new(0.1, -0.3);
             let mut pipeline = Pipeline::new(&settings, PerAxis::zero());

@@ -43,9 +43,6 @@ const CRYSTAL: HseMode = HseMode::Oscillator;
 #[cfg(feature = "stm32f446re")]
 const CRYSTAL: HseMode = HseMode::Bypass;
 
-/// [baud] 42 MHz / 42, so without error.
-const BAUD: u32 = 1_000_000;
-
 /// The chip, as features choose it.
 pub(crate) const CHIP: &str = if cfg!(feature = "stm32f446re") {
     "stm32f446re"
@@ -134,7 +131,8 @@ pub(crate) fn start() -> Board {
     let port = EncoderPwmPort::start(Timer::new(p.TIM1), outputs, enable, pitch, yaw, senses);
 
     let mut config = usart::Config::default();
-    config.baudrate = BAUD;
+    // 42 MHz / 42, so without error.
+    config.baudrate = twinrotor::link::BAUD;
     let serial = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Interrupts, config);
     Board {
         port,

@@ -2,11 +2,8 @@
 
 use crate::watchdog;
 use embassy_stm32::flash::{Bank1Region1, Blocking};
-use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
+use twinrotor::parameters::store::{AREA_OFFSET, MAX_PAYLOAD, SLOT_SIZE, Store};
 use twinrotor::parameters::{ParameterError, Parameters};
-
-/// [byte] Sectors 1 to 3 begin here in the first region of flash; see memory.x.
-const BASE: u32 = 0x4000;
 
 /// Where the parameters in force come from.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -38,7 +35,7 @@ pub(crate) struct Storage {
 impl Storage {
     /// The store, the parameters in force, and where they come from.
     pub(crate) fn load(flash: Bank1Region1<'static, Blocking>) -> (Self, Parameters, Provenance) {
-        let mut storage = Self { store: Store::new(flash, BASE), buffer: [0; SLOT_SIZE] };
+        let mut storage = Self { store: Store::new(flash, AREA_OFFSET), buffer: [0; SLOT_SIZE] };
         let stored = storage.store.load(&mut storage.buffer);
         let (parameters, provenance) = match stored.map(|bytes| bytes.map(Parameters::decode)) {
             Ok(Some(Ok(parameters))) => (parameters, Provenance::Stored),

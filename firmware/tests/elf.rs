@@ -5,6 +5,8 @@
 use object::{Object, ObjectSection, ObjectSegment, ObjectSymbol, SectionKind, SymbolKind};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use twinrotor::parameters::ram_flash::AREA_SIZE;
+use twinrotor::parameters::store::AREA_ADDRESS;
 
 /// A function: where its code begins, and the code.
 struct Function {
@@ -194,11 +196,16 @@ fn nothing_that_the_tick_calls_can_panic() {
 fn it_lies_where_the_memory_map_says() {
     let firmware = Firmware::read();
     let elf = firmware.elf();
+    let parameters = u64::from(AREA_ADDRESS)..u64::from(AREA_ADDRESS) + AREA_SIZE as u64;
     for section in
         elf.sections().filter(|s| s.size() > 0 && (0x0800_0000..0x0810_0000).contains(&s.address()))
     {
         let (begin, end) = (section.address(), section.address() + section.size());
-        assert!(end <= 0x0800_4000 || begin >= 0x0801_0000, "{:?} covers the parameters", section.name());
+        assert!(
+            end <= parameters.start || begin >= parameters.end,
+            "{:?} covers the parameters",
+            section.name()
+        );
     }
     for section in
         elf.sections().filter(|s| s.size() > 0 && (0x2000_0000..0x2002_0000).contains(&s.address()))

@@ -1,24 +1,24 @@
 //! Closed-loop steps: `cargo bench -p host-sim`. The unit of throughput is one step of one loop.
 
 use criterion::{Criterion as Bench, Throughput, criterion_group, criterion_main};
-use host_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop};
-use host_sim::flight::Fidelity;
-use host_sim::gains_file::GainsFile;
-use host_sim::lanes::LANES;
-use host_sim::metrics::{Criterion, Integral};
-use host_sim::objective::Objective;
-use host_sim::optimise::Candidate;
-use host_sim::scenario::{SAMPLE_TIME, Scenario};
-use host_sim::tuner::Problem;
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::gains;
 use twinrotor::plant::presets::PAPER;
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::lanes::LANES;
+use twinrotor_sim::metrics::{Criterion, Integral};
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::Candidate;
+use twinrotor_tune::search::Problem;
 
 fn scenario() -> Scenario {
-    let mut scenario = Scenario::load("step").expect("a scenario of the paper's");
+    let mut scenario = Scenario::named("step").expect("a scenario of the paper's");
     scenario.duration = 1.0;
     scenario
 }

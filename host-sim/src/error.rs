@@ -1,7 +1,8 @@
-//! What can go wrong, and the exit status that says so.
+//! Why a command ended without what was asked of it, and the exit status that says so.
 
 use std::fmt;
 use std::path::Path;
+use twinrotor_sim::Error;
 
 /// Why a command ended without what was asked of it.
 #[derive(Debug)]
@@ -26,6 +27,23 @@ impl Failure {
         Self::Input(format!("{}: cannot be read: {error}", path.display()))
     }
 
+    /// What a library says of a value that came by a flag: the field is the flag.
+    pub fn of_flag(error: Error) -> Self {
+        let flag = |field: &str| format!("--{}", field.replace('_', "-"));
+        Self::from(match error {
+            Error::Invalid { field, value, allowed } => {
+                // What follows the flag's own name says which part of it.
+                let (name, rest) = field.split_at(field.find([' ', '.']).unwrap_or(field.len()));
+                Error::Invalid { field: flag(name) + rest, value, allowed }
+            }
+            Error::In { place, error } => Error::In { place: flag(&place), error },
+            Error::Unknown { field, value, nearest, known } => {
+                Error::Unknown { field: flag(&field), value, nearest, known }
+            }
+            other => other,
+        })
+    }
+
     /// The process's exit status.
     pub fn exit_status(&self) -> u8 {
         match self {
@@ -33,6 +51,12 @@ impl Failure {
             Self::Input(_) => 2,
             Self::Interrupted => 130,
         }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        if error.is_input() { Self::Input(error.to_string()) } else { Self::Run(error.to_string()) }
     }
 }
 
@@ -50,26 +74,15 @@ impl std::error::Error for Failure {}
 /// The shorthand of this crate.
 pub type Outcome<T> = Result<T, Failure>;
 
-/// Picks `name` out of `known`, or says which comes nearest.
-pub fn known_name<'a, T>(what: &str, name: &str, known: &'a [(&'a str, T)]) -> Outcome<&'a T> {
-    if let Some((_, found)) = known.iter().find(|(n, _)| *n == name) {
-        return Ok(found);
-    }
-    let names: Vec<&str> = known.iter().map(|(n, _)| *n).collect();
-    let nearest =
-        names.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
-    Err(Failure::Input(format!(
-        "unknown {what} '{name}'; did you mean '{}'? There are: {}",
-        nearest.copied().unwrap_or_default(),
-        names.join(", ")
-    )))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Requires a finite number of at least `least` (or above it, with `strictly`).
-pub fn at_least(field: &str, value: f64, least: f64, strictly: bool) -> Outcome<f64> {
-    if value.is_finite() && (value > least || (!strictly && value >= least)) {
-        return Ok(value);
+    #[test]
+    fn a_librarys_field_becomes_the_flag_that_set_it() {
+        let told = |field: &str| Failure::of_flag(Error::invalid(field, "x", "y")).to_string();
+        assert_eq!(told("at_most"), "--at-most is x; allowed: y");
+        assert_eq!(told("at_most failures"), "--at-most failures is x; allowed: y");
+        assert_eq!(Failure::of_flag(Error::Failed("no".into())).exit_status(), 1);
     }
-    let relation = if strictly { "above" } else { "of at least" };
-    Err(Failure::Input(format!("{field} is {value}; allowed: a finite number {relation} {least}")))
 }

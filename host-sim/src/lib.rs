@@ -1,5 +1,4 @@
-//! Twinrotor on a PC: the core that flies on the board, closed around a simulated helicopter, once or
-//! thousands of times.
+//! Twinrotor on a PC: the command line, the files, figures and reports around the crates that compute.
 
 #![cfg_attr(
     test,
@@ -11,30 +10,9 @@
     )
 )]
 
-pub mod board;
-pub mod checkpoint;
 pub mod cli;
-pub mod closed_loop;
 pub mod error;
-pub mod export;
 pub mod figures;
-pub mod flash;
-pub mod flight;
-pub mod gains_file;
-pub mod identify;
-pub mod lanes;
-pub mod log;
-pub mod metrics;
-pub mod objective;
-pub mod operation_count;
-pub mod optimise;
-pub mod output;
-pub mod peers;
-pub mod plot;
-pub mod replay;
+pub mod files;
 pub mod report;
-pub mod rig;
-pub mod robust;
-pub mod scenario;
-pub mod tunable;
-pub mod tuner;
+pub mod serial;

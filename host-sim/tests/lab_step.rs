@@ -1,19 +1,19 @@
 //! The step that controllers of a real Aero flew, (30°, 45°) from rest, on what its logs say it is: the
 //! preset `aero-lab`.
 
-use host_sim::flight::{Fidelity, Flight, Plan, Scalar, fly};
-use host_sim::gains_file::GainsFile;
-use host_sim::identify::constants::{CONSTANTS, from_array, to_array};
-use host_sim::robust::{LAG_SPREAD, SPREAD, draw};
-use host_sim::scenario::Scenario;
+use host_sim::files;
 use rayon::prelude::*;
 use twinrotor::axes::PerAxis;
 use twinrotor::plant::presets::{AERO_LAB, Rig};
+use twinrotor_identify::constants::{CONSTANTS, from_array, to_array};
+use twinrotor_sim::flight::{Fidelity, Flight, Plan, Scalar, fly};
+use twinrotor_tune::robust::{LAG_SPREAD, SPREAD, draw};
 
 fn flown(rig: &Rig, scalar: Scalar, seed: u64) -> Flight {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-    let settings = GainsFile::load(&format!("{folder}/gains/aero-lab.toml")).unwrap().settings(&AERO_LAB);
-    let scenario = Scenario::load(&format!("{folder}/scenarios/step-30-45.toml")).unwrap();
+    let settings =
+        files::gains("--gains", &format!("{folder}/gains/aero-lab.toml")).unwrap().settings(&AERO_LAB);
+    let scenario = files::scenario(&format!("{folder}/scenarios/step-30-45.toml")).unwrap();
     let plan = Plan {
         rig,
         settings: &settings,

@@ -1,8 +1,5 @@
 //! What the end-to-end tests share.
 
-use host_sim::flight::{Fidelity, Plan};
-use host_sim::gains_file::GainsFile;
-use host_sim::scenario::Scenario;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -10,6 +7,9 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::{PAPER, Rig};
+use twinrotor_sim::flight::{Fidelity, Plan};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::Scenario;
 
 /// One row of a reference trajectory.
 #[derive(Debug, Clone, Copy)]
@@ -64,7 +64,7 @@ impl Setup {
 
     /// Any rig and gains.
     pub fn new(rig: &Rig, gains: &GainsFile, scenario: &str, duration: f64) -> Self {
-        let mut scenario = Scenario::load(scenario).expect("a scenario of the paper's");
+        let mut scenario = Scenario::named(scenario).expect("a scenario of the paper's");
         scenario.duration = duration;
         Self { rig: *rig, settings: gains.settings(rig), scenario }
     }

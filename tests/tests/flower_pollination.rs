@@ -1,17 +1,17 @@
 //! What the paper's algorithm reaches on the paper's problem.
 
-use host_sim::flight::Fidelity;
-use host_sim::gains_file::GainsFile;
-use host_sim::metrics::Criterion;
-use host_sim::objective::Objective;
-use host_sim::optimise::{Bounds, Draws, FlowerPollination, FpaSettings, Optimiser, Variant, run};
-use host_sim::scenario::Scenario;
-use host_sim::tuner::Problem;
 use twinrotor::gains;
 use twinrotor::plant::presets::PAPER;
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::{Bounds, Draws, FlowerPollination, FpaSettings, Optimiser, Variant, run};
+use twinrotor_tune::search::Problem;
 
 fn objective() -> Objective {
-    Objective::new(Criterion::Ise, &PAPER, &Scenario::load("step").unwrap(), Fidelity::Ideal, 1)
+    Objective::new(Criterion::Ise, &PAPER, &Scenario::named("step").unwrap(), Fidelity::Ideal, 1)
 }
 
 fn search(variant: Variant, seed: u64) -> FlowerPollination {
@@ -46,7 +46,8 @@ fn fpa_paper_reaches_the_optimum_of_ise() {
     evaluations.sort_unstable();
     costs.sort_by(f64::total_cmp);
     println!(
-        "ISE over 20 seeds: mean {mean:.8}, best {:.8}, worst {:.8}; within .1 % after a median of {} evaluations",
+        "ISE over 20 seeds: mean {mean:.8}, best {:.8}, worst {:.8}; within .1 % after a median of {} \
+         evaluations",
         costs[0], costs[19], evaluations[10]
     );
     assert!(mean <= 0.08097, "mean {mean}");

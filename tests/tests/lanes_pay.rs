@@ -2,15 +2,6 @@
 //! function in the loop that is not inlined, or a lane that is not a vector, costs a factor of three to ten
 //! and nothing else would tell.
 
-use host_sim::closed_loop::{ClosedLoop, IdealLoop};
-use host_sim::flight::Fidelity;
-use host_sim::gains_file::GainsFile;
-use host_sim::lanes::LANES;
-use host_sim::metrics::{Criterion, Integral};
-use host_sim::objective::Objective;
-use host_sim::optimise::Candidate;
-use host_sim::scenario::{SAMPLE_TIME, Scenario};
-use host_sim::tuner::Problem;
 use std::hint::black_box;
 use std::time::Instant;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -18,6 +9,15 @@ use twinrotor::gains;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::PAPER;
 use twinrotor::real::Real;
+use twinrotor_sim::closed_loop::{ClosedLoop, IdealLoop};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::lanes::LANES;
+use twinrotor_sim::metrics::{Criterion, Integral};
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::Candidate;
+use twinrotor_tune::search::Problem;
 
 fn seconds(work: impl FnOnce()) -> f64 {
     let begun = Instant::now();
@@ -27,7 +27,7 @@ fn seconds(work: impl FnOnce()) -> f64 {
 
 #[test]
 fn sixteen_side_by_side_take_less_than_a_third_of_sixteen_in_turn() {
-    let mut scenario = Scenario::load("step").unwrap();
+    let mut scenario = Scenario::named("step").unwrap();
     scenario.duration = 2.0;
     let references = scenario.references::<f32>();
     let settings = GainsFile::paper().settings(&PAPER).map(f32::from_f64);

@@ -1,8 +1,5 @@
 //! The paper's stability claim: M of eq. (18) falls, as long as no voltage clips.
 
-use host_sim::closed_loop::{ClosedLoop, IdealLoop};
-use host_sim::gains_file::GainsFile;
-use host_sim::scenario::SAMPLE_TIME;
 use proptest::prelude::*;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::gains::Gains;
@@ -10,6 +7,9 @@ use twinrotor::law::Backstepping;
 use twinrotor::plant::State;
 use twinrotor::plant::presets;
 use twinrotor::reference::Reference;
+use twinrotor_sim::closed_loop::{ClosedLoop, IdealLoop};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::SAMPLE_TIME;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]

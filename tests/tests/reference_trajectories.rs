@@ -1,7 +1,5 @@
 //! The simulator against independent reference trajectories and closed forms.
 
-use host_sim::closed_loop::{ClosedLoop, IdealLoop};
-use host_sim::flight::{Fidelity, Scalar, fly};
 use tests::{Setup, golden};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::pipeline::Settings;
@@ -11,6 +9,8 @@ use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::trajectory::Trajectory;
 use twinrotor::{DEGREE, gains};
+use twinrotor_sim::closed_loop::{ClosedLoop, IdealLoop};
+use twinrotor_sim::flight::{Fidelity, Scalar, fly};
 
 /// 1e-10 rad over the whole run, in f64, with volts held for a tick.
 #[test]
@@ -131,8 +131,8 @@ fn the_step_with_table_4() {
 /// A rotor lag of .16 s, Aero 2 constants and ±18 V: the paper's gains ring by about 46 and 40 %.
 #[test]
 fn the_papers_gains_ring_on_a_real_rigs_lag() {
-    use host_sim::gains_file::GainsFile;
     use twinrotor::plant::presets::AERO2;
+    use twinrotor_sim::gains_file::GainsFile;
     let setup = Setup::new(&AERO2, &GainsFile::paper(), "step", 10.0);
     let report = fly(&setup.plan(Fidelity::Rig, 1), Scalar::F32).unwrap().report;
     assert!(report.pitch.overshoot_percent.unwrap() > 30.0, "{report:?}");

@@ -1,15 +1,6 @@
 //! What was tuned is what flies: one arithmetic in plain f32, in every lane, and in the control loop of the
 //! board.
 
-use host_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
-use host_sim::flight::Fidelity;
-use host_sim::gains_file::GainsFile;
-use host_sim::lanes::{Kernel, LANES, gather, in_lanes};
-use host_sim::metrics::Criterion;
-use host_sim::objective::Objective;
-use host_sim::optimise::Candidate;
-use host_sim::scenario::{SAMPLE_TIME, Scenario};
-use host_sim::tuner::Problem;
 use proptest::prelude::*;
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -19,6 +10,15 @@ use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::lanes::{Kernel, LANES, gather, in_lanes};
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::Candidate;
+use twinrotor_tune::search::Problem;
 
 fn any_rig() -> impl Strategy<Value = Rig> {
     prop::sample::select(presets::ALL.to_vec()).prop_map(|(_, rig)| rig)
@@ -30,7 +30,7 @@ fn any_gains() -> impl Strategy<Value = GainsFile> {
 
 fn any_scenario() -> impl Strategy<Value = Scenario> {
     prop::sample::select(vec!["step", "1", "2", "3", "3-square"])
-        .prop_map(|name| Scenario::load(name).unwrap())
+        .prop_map(|name| Scenario::named(name).unwrap())
 }
 
 fn bits<R: Real<Scalar = f32>>(tick: &Tick<R>, lane: usize) -> [u32; 8] {
@@ -156,11 +156,12 @@ proptest! {
         part in 0.9..1.1,
     ) {
         let fidelity = if rigs_world { Fidelity::Rig } else { Fidelity::Ideal };
-        let mut scenario = Scenario::load("step").unwrap();
+        let mut scenario = Scenario::named("step").unwrap();
         scenario.duration = 1.0;
         let objective = Objective::new(Criterion::Ise, &rig, &scenario, fidelity, 1);
         let asked = |bound| -> Vec<Candidate> {
-            let of = |g: &GainsFile| Candidate { position: g.gains().expect("the paper's law").to_paper_order().to_vec(), bound };
+            let of = |g: &GainsFile| Candidate { position: g.gains().expect("the paper's \
+                law").to_paper_order().to_vec(), bound };
             gains.iter().map(of).collect()
         };
         let whole = objective.costs(&asked(f64::INFINITY));
@@ -179,7 +180,7 @@ proptest! {
 /// The cost that the tuner prints is the ISE that `simulate` prints.
 #[test]
 fn the_tuners_cost_is_what_simulate_reports() {
-    use host_sim::flight::{Scalar, fly};
+    use twinrotor_sim::flight::{Scalar, fly};
     let setup = tests::Setup::paper("step", 5.0);
     let report = fly(&setup.plan(Fidelity::Ideal, 1), Scalar::F32).unwrap().report;
     let objective = Objective::new(Criterion::Ise, &setup.rig, &setup.scenario, Fidelity::Ideal, 1);

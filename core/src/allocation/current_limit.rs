@@ -8,8 +8,7 @@ use super::VoltsRange;
 use crate::axes::PerMotor;
 use crate::plant::presets::MotorConstants;
 use crate::real::Real;
-use crate::validate::{Invalid, positive, require};
-use serde::{Deserialize, Serialize};
+use crate::validate::{Invalid, require};
 
 /// \[s\] Over which the square of the current is averaged for the continuous limit: well below the minutes in
 /// which a motor of this size warms up. No source gives one.
@@ -17,18 +16,24 @@ const HEATING_TIME: f64 = 10.0;
 /// Share of the continuous limit's heat at which the peak limit begins to fall back.
 const FOLD_BACK_FROM: f64 = 0.75;
 
-/// A motor's limits.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CurrentLimitSettings<R> {
-    /// \[ohm\] Of the winding, above 0.
-    pub resistance: R,
-    /// \[-\] Back-EMF for each volt in effect, 0 to 1: k_m²/(R d + k_m²) for a drag d.
-    pub back_emf: R,
-    /// \[A\] Most for an instant, at least the continuous limit.
-    pub peak: R,
-    /// \[A\] Most for long, above 0.
-    pub continuous: R,
+settings! {
+    /// A motor's limits.
+    pub struct CurrentLimitSettings<R> at "motor."; and covers_continuous {
+        /// Resistance of the winding.
+        resistance: (R) "ohm", (above 0), typical 0.5 to 20.0, default 5.0;
+        /// Back-EMF for each volt in effect: k_m²/(R d + k_m²) for a drag d.
+        back_emf: (R) "-", (0 to 1), typical 0.0 to 1.0, default 0.8;
+        /// Most for an instant, at least the continuous limit.
+        peak: (R) "A", (above 0), typical 0.5 to 10.0, default 2.0;
+        /// Most for long.
+        continuous: (R) "A", (above 0), typical 0.2 to 5.0, default 1.0;
+    }
+}
+
+/// The peak limit is no less than the continuous one.
+fn covers_continuous<R: Real<Mask = bool>>(limit: &CurrentLimitSettings<R>) -> Result<(), Invalid<R>> {
+    let peak = limit.continuous.le(limit.peak);
+    require("motor.peak", limit.peak, peak, "at least the continuous current")
 }
 
 impl CurrentLimitSettings<f64> {
@@ -41,33 +46,6 @@ impl CurrentLimitSettings<f64> {
             peak: motor.peak_current,
             continuous: motor.continuous_current,
         }
-    }
-}
-
-impl<R: Real> CurrentLimitSettings<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> CurrentLimitSettings<U> {
-        CurrentLimitSettings {
-            resistance: f(self.resistance),
-            back_emf: f(self.back_emf),
-            peak: f(self.peak),
-            continuous: f(self.continuous),
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> CurrentLimitSettings<R> {
-    /// Every number usable.
-    ///
-    /// # Errors
-    /// Names the field.
-    pub fn validate(&self) -> Result<(), Invalid<R>> {
-        positive("motor.resistance", self.resistance)?;
-        let share = R::zero().le(self.back_emf) & self.back_emf.le(R::one());
-        require("motor.back_emf", self.back_emf, share, "0 to 1")?;
-        positive("motor.continuous", self.continuous)?;
-        let peak = self.continuous.le(self.peak);
-        require("motor.peak", self.peak, peak, "at least the continuous current")
     }
 }
 

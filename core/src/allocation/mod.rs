@@ -9,46 +9,27 @@ pub use current_limit::{CurrentLimit, CurrentLimitSettings};
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
 use crate::real::Real;
-use crate::validate::{Invalid, positive};
-use serde::{Deserialize, Serialize};
 use weighted::Weighted;
 
-/// What becomes of a demand that the motors cannot meet.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum AllocationSettings<R> {
-    /// Each motor's volts limited on their own, as the paper does.
-    Clamp,
-    /// Both scaled down together, towards the volts that hold the pose.
-    Scale,
-    /// The volts that come nearest to the accelerations asked for.
-    Weighted {
-        /// \[-\] How much more an error of pitch acceleration counts than one of yaw; above 0.
-        pitch_weight: R,
-    },
-}
-
-impl<R: Real> AllocationSettings<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> AllocationSettings<U> {
-        match self {
-            Self::Clamp => AllocationSettings::Clamp,
-            Self::Scale => AllocationSettings::Scale,
-            Self::Weighted { pitch_weight } => AllocationSettings::Weighted { pitch_weight: f(pitch_weight) },
-        }
+choice! {
+    /// What becomes of a demand that the motors cannot meet.
+    pub enum AllocationSettings<R> {
+        /// Each motor's volts limited on their own, as the paper does.
+        "clamp" Clamp by ();
+        /// Both scaled down together, towards the volts that hold the pose.
+        "scale" Scale by ();
+        /// The volts that come nearest to the accelerations asked for.
+        "weighted" Weighted { pitch_weight: R } by Weight;
     }
 }
 
-impl<R: Real<Mask = bool>> AllocationSettings<R> {
-    /// A usable weight.
-    ///
-    /// # Errors
-    /// Names the field.
-    pub fn validate(&self) -> Result<(), Invalid<R>> {
-        match self {
-            Self::Clamp | Self::Scale => Ok(()),
-            Self::Weighted { pitch_weight } => positive("allocation.pitch_weight", *pitch_weight),
-        }
+/// The table of [`AllocationSettings::Weighted`].
+struct Weight;
+
+table! {
+    [] [Weight] at ("allocation.") {
+        /// How much more an error of pitch acceleration counts than one of yaw.
+        pitch_weight: (R) "-", (above 0), typical 0.1 to 5.0, default 1.5;
     }
 }
 

@@ -121,7 +121,8 @@ fn setpoint(pitch: f32, yaw: f32) -> Option<OperatorCommand> {
 
 /// Every rig with the paper's law and with what its boards boot with.
 fn flown() -> impl Iterator<Item = (String, Rig, Settings<f64>)> {
-    presets::ALL.into_iter().zip(crate::defaults::ALL).flat_map(|((name, rig), (_, tuned))| {
+    presets::ALL.into_iter().flat_map(|(name, rig)| {
+        let tuned = crate::defaults::named(name).expect("a controller for every preset");
         let laws = Settings::paper(&rig, gains(&rig), SAMPLE_TIME);
         let tuned = Settings::new(&rig, tuned, SAMPLE_TIME);
         [(format!("{name}, the paper's law"), rig, laws), (format!("{name}, tuned"), rig, tuned)]

@@ -15,8 +15,6 @@ pub use observer::{BELIEVED_FRICTION_WIDTH, Observer, ObserverGains};
 use crate::axes::PerAxis;
 use crate::plant::{Dynamics, RigidBody, State};
 use crate::real::Real;
-use crate::validate::{Invalid, both, positive};
-use serde::{Deserialize, Serialize};
 
 /// What is believed of the helicopter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -53,30 +51,38 @@ impl<R: Real> Belief<R> {
     }
 }
 
-/// Which estimator, and its settings.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum EstimatorSettings<R> {
-    /// Measured angle; its difference through a first-order low pass.
-    FilteredDerivative {
-        /// \[rad/s\] Bandwidth of the low pass, above 0.
-        bandwidth: PerAxis<R>,
-    },
-    /// Model and rotors, fed by the volts really applied; see [`luenberger()`].
-    Luenberger {
-        /// \[rad/s\] Where the error's poles are, above 0.
-        bandwidth: PerAxis<R>,
-    },
-    /// The same, with a disturbance that it looks for; see [`extended_state()`].
-    ExtendedState {
-        /// \[rad/s\] Where the error's poles are, above 0.
-        bandwidth: PerAxis<R>,
-    },
-    /// The same with gains worked out elsewhere, such as a stationary Kalman filter's.
-    Observer {
-        /// l₁, l₂, l₃ of each axis.
-        gains: PerAxis<ObserverGains<R>>,
-    },
+choice! {
+    /// Which estimator, and its settings.
+    pub enum EstimatorSettings<R> {
+        /// Measured angle; its difference through a first-order low pass.
+        "filtered-derivative" FilteredDerivative { bandwidth: PerAxis<R> } by LowPass;
+        /// Model and rotors, fed by the volts really applied; see [`luenberger()`].
+        "luenberger" Luenberger { bandwidth: PerAxis<R> } by Poles;
+        /// The same, with a disturbance that it looks for; see [`extended_state()`].
+        "extended-state" ExtendedState { bandwidth: PerAxis<R> } by Poles;
+        /// The same with gains worked out elsewhere, such as a stationary Kalman filter's.
+        "observer" Observer { gains: PerAxis<ObserverGains<R>> } by ObserverGains<R>;
+    }
+}
+
+/// The table of [`EstimatorSettings::FilteredDerivative`].
+struct LowPass;
+
+table! {
+    [] [LowPass] at ("estimator.") {
+        /// Bandwidth of the low pass.
+        bandwidth: (PerAxis<R>) "rad/s", (above 0), typical 10.0 to 500.0, default 100.0;
+    }
+}
+
+/// The table of the observers that are given by their poles.
+struct Poles;
+
+table! {
+    [] [Poles] at ("estimator.") {
+        /// Where the poles of the estimate's error are.
+        bandwidth: (PerAxis<R>) "rad/s", (above 0), typical 5.0 to 500.0, default 50.0;
+    }
 }
 
 impl<R: Real> EstimatorSettings<R> {
@@ -88,48 +94,6 @@ impl<R: Real> EstimatorSettings<R> {
     /// Does it need to know which torque acts?
     pub const fn uses_model(&self) -> bool {
         !matches!(self, Self::FilteredDerivative { .. })
-    }
-
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> EstimatorSettings<U> {
-        match self {
-            Self::FilteredDerivative { bandwidth } => {
-                EstimatorSettings::FilteredDerivative { bandwidth: bandwidth.map(f) }
-            }
-            Self::Luenberger { bandwidth } => EstimatorSettings::Luenberger { bandwidth: bandwidth.map(f) },
-            Self::ExtendedState { bandwidth } => {
-                EstimatorSettings::ExtendedState { bandwidth: bandwidth.map(f) }
-            }
-            Self::Observer { gains } => EstimatorSettings::Observer { gains: gains.map(|g| g.map(&mut f)) },
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> EstimatorSettings<R> {
-    /// Every number usable.
-    ///
-    /// # Errors
-    /// Names the field.
-    pub fn validate(&self) -> Result<(), Invalid<R>> {
-        match *self {
-            Self::FilteredDerivative { bandwidth }
-            | Self::Luenberger { bandwidth }
-            | Self::ExtendedState { bandwidth } => {
-                both(["estimator.bandwidth.pitch", "estimator.bandwidth.yaw"], bandwidth, positive)
-            }
-            Self::Observer { gains } => {
-                gains.pitch.validate([
-                    "estimator.gains.pitch.angle",
-                    "estimator.gains.pitch.rate",
-                    "estimator.gains.pitch.disturbance",
-                ])?;
-                gains.yaw.validate([
-                    "estimator.gains.yaw.angle",
-                    "estimator.gains.yaw.rate",
-                    "estimator.gains.yaw.disturbance",
-                ])
-            }
-        }
     }
 }
 

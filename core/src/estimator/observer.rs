@@ -12,35 +12,16 @@ use super::Estimate;
 use crate::axes::PerAxis;
 use crate::plant::State;
 use crate::real::{Mask, Real};
-use crate::validate::{Invalid, not_negative};
-use serde::{Deserialize, Serialize};
 
-/// How much of what the model did not foresee goes where.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ObserverGains<R> {
-    /// \[-\] l₁, of the angle; at least 0.
-    pub angle: R,
-    /// \[1/s\] l₂, of the rate; at least 0.
-    pub rate: R,
-    /// \[1/s²\] l₃, of the disturbance; at least 0, and 0 for none.
-    pub disturbance: R,
-}
-
-impl<R: Real> ObserverGains<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> ObserverGains<U> {
-        ObserverGains { angle: f(self.angle), rate: f(self.rate), disturbance: f(self.disturbance) }
-    }
-}
-
-impl<R: Real<Mask = bool>> ObserverGains<R> {
-    /// Usable gains, under the names of one axis.
-    pub(super) fn validate(&self, fields: [&'static str; 3]) -> Result<(), Invalid<R>> {
-        let [angle, rate, disturbance] = fields;
-        not_negative(angle, self.angle)?;
-        not_negative(rate, self.rate)?;
-        not_negative(disturbance, self.disturbance)
+settings! {
+    /// How much of what the model did not foresee goes where.
+    pub struct ObserverGains<R> at "estimator.gains.pitch.", "estimator.gains.yaw." {
+        /// l₁, of the angle.
+        angle: (R) "-", (at least 0), typical 0.0 to 1.0, default 0.2;
+        /// l₂, of the rate.
+        rate: (R) "1/s", (at least 0), typical 0.0 to 300.0, default 10.0;
+        /// l₃, of the disturbance; 0 for none.
+        disturbance: (R) "1/s²", (at least 0), typical 0.0 to 10000.0, default 0.0;
     }
 }
 

@@ -13,7 +13,8 @@ use super::{ControlLaw, Situation};
 use crate::axes::PerAxis;
 use crate::estimator::Estimate;
 use crate::gains::{AxisGains, Gains};
-use crate::real::Real;
+use crate::plant::Effectiveness;
+use crate::real::{Mask, Real};
 use crate::reference::Reference;
 
 /// Eqs (26)-(27).
@@ -62,6 +63,16 @@ fn accel<R: Real>(accel: R, g: &AxisGains<R>, angle_error: R, its_rate: R, rate_
 }
 
 impl<R: Real> ControlLaw<R> for Backstepping<R> {
+    type Gains = Gains<R>;
+
+    fn start(gains: Self::Gains, _effectiveness: Effectiveness<R>, _sample_time: R) -> Self {
+        Self::new(gains)
+    }
+
+    fn integrates(_gains: &Self::Gains) -> R::Mask {
+        R::Mask::splat(false)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let reference = &now.reference;

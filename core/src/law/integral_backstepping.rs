@@ -14,44 +14,20 @@ use super::integrator::integrated;
 use super::{ControlLaw, Situation};
 use crate::allocation::Allocation;
 use crate::axes::PerAxis;
+use crate::plant::Effectiveness;
 use crate::real::Real;
-use crate::validate::{Invalid, not_negative, positive};
-use serde::{Deserialize, Serialize};
 
-/// The gains of one axis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct IntegralGains<R> {
-    /// \[1/s\] μ_a, of the angle error. Above 0.
-    pub position: R,
-    /// \[1/s\] μ_b, of the rate error. Above 0.
-    pub rate: R,
-    /// \[1/s²\] γ, weight of the angle error in the Lyapunov function. At least 0; 1 in the paper.
-    pub weight: R,
-    /// \[1/s²\] λ, of the integral of the angle error. At least 0.
-    pub integral: R,
-}
-
-impl<R: Real> IntegralGains<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> IntegralGains<U> {
-        IntegralGains {
-            position: f(self.position),
-            rate: f(self.rate),
-            weight: f(self.weight),
-            integral: f(self.integral),
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> IntegralGains<R> {
-    /// Usable gains, under the names of one axis.
-    pub(super) fn validate(&self, fields: [&'static str; 4]) -> Result<(), Invalid<R>> {
-        let [position, rate, weight, integral] = fields;
-        positive(position, self.position)?;
-        positive(rate, self.rate)?;
-        not_negative(weight, self.weight)?;
-        not_negative(integral, self.integral)
+settings! {
+    /// The gains of one axis.
+    pub struct IntegralGains<R> at "pitch.", "yaw." {
+        /// μ_a, of the angle error.
+        position: (R) "1/s", (above 0), typical 0.3 to 30.0, default 5.0;
+        /// μ_b, of the rate error.
+        rate: (R) "1/s", (above 0), typical 0.5 to 60.0, default 10.0;
+        /// γ, weight of the angle error in the Lyapunov function; 1 in the paper.
+        weight: (R) "1/s²", (at least 0), typical 0.0 to 5.0, default 1.0;
+        /// λ, of the integral of the angle error.
+        integral: (R) "1/s²", (at least 0), typical 0.0 to 50.0, default 10.0;
     }
 }
 
@@ -79,6 +55,16 @@ fn accel<R: Real>(g: &IntegralGains<R>, error: R, slope: R, integral: R) -> R {
 }
 
 impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
+    type Gains = PerAxis<IntegralGains<R>>;
+
+    fn start(gains: Self::Gains, _effectiveness: Effectiveness<R>, sample_time: R) -> Self {
+        Self::new(gains, sample_time)
+    }
+
+    fn integrates(gains: &Self::Gains) -> R::Mask {
+        R::zero().lt(gains.pitch.integral + gains.yaw.integral)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let (error, slope) = (now.angle_error(), now.rate_error());

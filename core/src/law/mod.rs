@@ -4,25 +4,28 @@ mod backstepping;
 mod integral_backstepping;
 mod integrator;
 mod pid;
-mod settings;
+mod registry;
 mod state_feedback;
 mod super_twisting;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod toy;
 
 pub use backstepping::{Backstepping, Errors};
 pub use integral_backstepping::{IntegralBackstepping, IntegralGains};
 pub use pid::{Pid, PidGains};
-pub use settings::LawSettings;
 pub use state_feedback::{MotorGains, StateFeedback, StateFeedbackGains};
 pub use super_twisting::{SuperTwisting, SuperTwistingGains};
 
 use crate::allocation::Allocation;
 use crate::axes::PerAxis;
 use crate::estimator::{Belief, Estimate};
+use crate::gains::Gains;
 use crate::plant::{Dynamics, Effectiveness, RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;
+use registry::laws;
 
 /// What a law goes by in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -65,9 +68,18 @@ impl<'a, R: Real> Situation<'a, R> {
 }
 
 /// A control law: everything between the estimate and the torque.
-pub trait ControlLaw<R: Real> {
+pub trait ControlLaw<R: Real>: Sized {
+    /// What it is made from.
+    type Gains;
+
+    /// Ready to start; `sample_time` \[s\]. `effectiveness` \[N m/V\] serves laws that think in volts.
+    fn start(gains: Self::Gains, effectiveness: Effectiveness<R>, sample_time: R) -> Self;
+
     /// The torque \[N m\] that the law asks for, whether or not the motors can give it.
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R>;
+
+    /// Has it, with these gains, an integral of the error?
+    fn integrates(gains: &Self::Gains) -> R::Mask;
 
     /// Forgets the past, before a new start.
     #[inline(always)]
@@ -78,70 +90,15 @@ pub trait ControlLaw<R: Real> {
     fn settle(&mut self, _now: &Situation<'_, R>, _allocation: &Allocation<R>) {}
 }
 
-/// Any law, at work. (The tag in a place of its own saves the tick from decoding it.)
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(u8)]
-pub enum Law<R> {
-    /// See [`Backstepping`].
-    Backstepping(Backstepping<R>),
-    /// See [`IntegralBackstepping`].
-    IntegralBackstepping(IntegralBackstepping<R>),
-    /// See [`Pid`].
-    Pid(Pid<R>),
-    /// See [`StateFeedback`].
-    StateFeedback(StateFeedback<R>),
-    /// See [`SuperTwisting`].
-    SuperTwisting(SuperTwisting<R>),
-}
-
-impl<R: Real> Law<R> {
-    /// Ready to start; `sample_time` \[s\]. `effectiveness` \[N m/V\] serves laws that think in volts.
-    pub fn new(settings: &LawSettings<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
-        match *settings {
-            LawSettings::Backstepping(gains) => Self::Backstepping(Backstepping::new(gains)),
-            LawSettings::IntegralBackstepping(gains) => {
-                Self::IntegralBackstepping(IntegralBackstepping::new(gains, sample_time))
-            }
-            LawSettings::Pid(gains) => Self::Pid(Pid::new(gains, sample_time)),
-            LawSettings::StateFeedback(gains) => {
-                Self::StateFeedback(StateFeedback::new(gains, effectiveness, sample_time))
-            }
-            LawSettings::SuperTwisting(gains) => Self::SuperTwisting(SuperTwisting::new(gains, sample_time)),
-        }
-    }
-}
-
-impl<R: Real> ControlLaw<R> for Law<R> {
-    #[inline(always)]
-    fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
-        match self {
-            Self::Backstepping(law) => law.torque(now),
-            Self::IntegralBackstepping(law) => law.torque(now),
-            Self::Pid(law) => law.torque(now),
-            Self::StateFeedback(law) => law.torque(now),
-            Self::SuperTwisting(law) => law.torque(now),
-        }
-    }
-
-    #[inline(always)]
-    fn restart(&mut self) {
-        match self {
-            Self::Backstepping(law) => law.restart(),
-            Self::IntegralBackstepping(law) => law.restart(),
-            Self::Pid(law) => law.restart(),
-            Self::StateFeedback(law) => law.restart(),
-            Self::SuperTwisting(law) => law.restart(),
-        }
-    }
-
-    #[inline(always)]
-    fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
-        match self {
-            Self::Backstepping(law) => law.settle(now, allocation),
-            Self::IntegralBackstepping(law) => law.settle(now, allocation),
-            Self::Pid(law) => law.settle(now, allocation),
-            Self::StateFeedback(law) => law.settle(now, allocation),
-            Self::SuperTwisting(law) => law.settle(now, allocation),
-        }
-    }
+laws! {
+    /// The paper's, eqs (26)-(27).
+    "backstepping" Backstepping(Gains<R>);
+    /// The paper's with an integral.
+    "integral-backstepping" IntegralBackstepping(PerAxis<IntegralGains<R>>);
+    /// PID for each axis.
+    "pid" Pid(PerAxis<PidGains<R>>);
+    /// PD, LQR, LQI in volts.
+    "state-feedback" StateFeedback(StateFeedbackGains<R>);
+    /// Second-order sliding mode.
+    "super-twisting" SuperTwisting(PerAxis<SuperTwistingGains<R>>);
 }

@@ -5,40 +5,18 @@ use super::integrator::integrated;
 use super::{ControlLaw, Situation};
 use crate::allocation::Allocation;
 use crate::axes::PerAxis;
+use crate::plant::Effectiveness;
 use crate::real::Real;
-use crate::validate::{Invalid, not_negative};
-use serde::{Deserialize, Serialize};
 
-/// The gains of one axis; in acceleration, so that they mean the same on every machine.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PidGains<R> {
-    /// \[1/s²\] k_p; at least 0.
-    pub proportional: R,
-    /// \[1/s³\] k_i; at least 0.
-    pub integral: R,
-    /// \[1/s\] k_d; at least 0.
-    pub derivative: R,
-}
-
-impl<R: Real> PidGains<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> PidGains<U> {
-        PidGains {
-            proportional: f(self.proportional),
-            integral: f(self.integral),
-            derivative: f(self.derivative),
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> PidGains<R> {
-    /// Usable gains, under the names of one axis.
-    pub(super) fn validate(&self, fields: [&'static str; 3]) -> Result<(), Invalid<R>> {
-        let [proportional, integral, derivative] = fields;
-        not_negative(proportional, self.proportional)?;
-        not_negative(integral, self.integral)?;
-        not_negative(derivative, self.derivative)
+settings! {
+    /// The gains of one axis; in acceleration, so that they mean the same on every machine.
+    pub struct PidGains<R> at "pitch.", "yaw." {
+        /// k_p, of the angle error.
+        proportional: (R) "1/s²", (at least 0), typical 0.0 to 300.0, default 50.0;
+        /// k_i, of the integral of the angle error.
+        integral: (R) "1/s³", (at least 0), typical 0.0 to 500.0, default 50.0;
+        /// k_d, of the rate error.
+        derivative: (R) "1/s", (at least 0), typical 0.0 to 60.0, default 14.0;
     }
 }
 
@@ -59,6 +37,16 @@ impl<R: Real> Pid<R> {
 }
 
 impl<R: Real> ControlLaw<R> for Pid<R> {
+    type Gains = PerAxis<PidGains<R>>;
+
+    fn start(gains: Self::Gains, _effectiveness: Effectiveness<R>, sample_time: R) -> Self {
+        Self::new(gains, sample_time)
+    }
+
+    fn integrates(gains: &Self::Gains) -> R::Mask {
+        R::zero().lt(gains.pitch.integral + gains.yaw.integral)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let proportional = self.gains.zip(now.angle_error(), |g, e| g.proportional * e);

@@ -10,52 +10,23 @@ use crate::allocation::Allocation;
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;
 use crate::real::Real;
-use crate::validate::{Invalid, finite, not_negative};
-use serde::{Deserialize, Serialize};
 
 /// Volts on each motor for an error of each axis.
 pub type MotorGains<R> = PerMotor<PerAxis<R>>;
 
-/// The gain matrices.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StateFeedbackGains<R> {
-    /// \[V/rad\] G_q, of the angle error.
-    pub angle: MotorGains<R>,
-    /// \[V s/rad\] G_v, of the rate error.
-    pub rate: MotorGains<R>,
-    /// \[V/(rad s)\] G_i, of the integral of the angle error.
-    pub integral: MotorGains<R>,
-    /// \[V\] Most that the integral gives each motor; at least 0.
-    pub integral_limit: R,
-    /// Is the torque that the model needs at the reference fed forward?
-    pub feed_forward: bool,
-}
-
-impl<R: Real> StateFeedbackGains<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> StateFeedbackGains<U> {
-        let mut matrix = |m: MotorGains<R>| m.map(|row| row.map(&mut f));
-        StateFeedbackGains {
-            angle: matrix(self.angle),
-            rate: matrix(self.rate),
-            integral: matrix(self.integral),
-            integral_limit: f(self.integral_limit),
-            feed_forward: self.feed_forward,
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> StateFeedbackGains<R> {
-    /// Usable gains.
-    pub(super) fn validate(&self) -> Result<(), Invalid<R>> {
-        for (field, matrix) in [("angle", self.angle), ("rate", self.rate), ("integral", self.integral)] {
-            for row in matrix.to_array() {
-                finite(field, row.pitch)?;
-                finite(field, row.yaw)?;
-            }
-        }
-        not_negative("integral_limit", self.integral_limit)
+settings! {
+    /// The gain matrices.
+    pub struct StateFeedbackGains<R> at "" {
+        /// G_q, of the angle error: volts of a motor for the error of an axis.
+        angle: (MotorGains<R>) "V/rad", (finite), typical -300.0 to 300.0, default 0.0;
+        /// G_v, of the rate error.
+        rate: (MotorGains<R>) "V s/rad", (finite), typical -300.0 to 300.0, default 0.0;
+        /// G_i, of the integral of the angle error.
+        integral: (MotorGains<R>) "V/(rad s)", (finite), typical -100.0 to 100.0, default 0.0;
+        /// Most that the integral gives each motor.
+        integral_limit: (R) "V", (at least 0), typical 0.0 to 24.0, default 20.0;
+        /// Is the torque that the model needs at the reference fed forward?
+        feed_forward: (bool) "-", (switch), typical 0.0 to 1.0, default 1.0;
     }
 }
 
@@ -86,6 +57,16 @@ impl<R: Real> StateFeedback<R> {
 }
 
 impl<R: Real> ControlLaw<R> for StateFeedback<R> {
+    type Gains = StateFeedbackGains<R>;
+
+    fn start(gains: Self::Gains, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
+        Self::new(gains, effectiveness, sample_time)
+    }
+
+    fn integrates(gains: &Self::Gains) -> R::Mask {
+        R::zero().lt(gains.integral_limit)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let volts = product(&self.gains.angle, now.angle_error())

@@ -9,44 +9,20 @@ use super::integrator::integrated;
 use super::{ControlLaw, Situation};
 use crate::allocation::Allocation;
 use crate::axes::PerAxis;
-use crate::real::Real;
-use crate::validate::{Invalid, not_negative, positive};
-use serde::{Deserialize, Serialize};
+use crate::plant::Effectiveness;
+use crate::real::{Mask, Real};
 
-/// The gains of one axis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SuperTwistingGains<R> {
-    /// \[1/s\] λ, slope of the sliding surface. Above 0.
-    pub surface: R,
-    /// \[rad^½/s^{3/2}\] k₁. At least 0.
-    pub proportional: R,
-    /// \[rad/s³\] k₂. At least 0.
-    pub integral: R,
-    /// \[rad/s\] ε, width of the smoothed switch. Above 0.
-    pub width: R,
-}
-
-impl<R: Real> SuperTwistingGains<R> {
-    /// Each number through `f`.
-    pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> SuperTwistingGains<U> {
-        SuperTwistingGains {
-            surface: f(self.surface),
-            proportional: f(self.proportional),
-            integral: f(self.integral),
-            width: f(self.width),
-        }
-    }
-}
-
-impl<R: Real<Mask = bool>> SuperTwistingGains<R> {
-    /// Usable gains, under the names of one axis.
-    pub(super) fn validate(&self, fields: [&'static str; 4]) -> Result<(), Invalid<R>> {
-        let [surface, proportional, integral, width] = fields;
-        positive(surface, self.surface)?;
-        not_negative(proportional, self.proportional)?;
-        not_negative(integral, self.integral)?;
-        positive(width, self.width)
+settings! {
+    /// The gains of one axis.
+    pub struct SuperTwistingGains<R> at "pitch.", "yaw." {
+        /// λ, slope of the sliding surface.
+        surface: (R) "1/s", (above 0), typical 0.5 to 20.0, default 4.0;
+        /// k₁, of the root of the distance to the surface.
+        proportional: (R) "rad^½/s^{3/2}", (at least 0), typical 0.0 to 30.0, default 6.0;
+        /// k₂, of the integral of the switch.
+        integral: (R) "rad/s³", (at least 0), typical 0.0 to 60.0, default 15.0;
+        /// ε, width of the smoothed switch.
+        width: (R) "rad/s", (above 0), typical 0.05 to 3.0, default 0.5;
     }
 }
 
@@ -74,6 +50,16 @@ impl<R: Real> SuperTwisting<R> {
 }
 
 impl<R: Real> ControlLaw<R> for SuperTwisting<R> {
+    type Gains = PerAxis<SuperTwistingGains<R>>;
+
+    fn start(gains: Self::Gains, _effectiveness: Effectiveness<R>, sample_time: R) -> Self {
+        Self::new(gains, sample_time)
+    }
+
+    fn integrates(_gains: &Self::Gains) -> R::Mask {
+        R::Mask::splat(true)
+    }
+
     #[inline(always)]
     fn torque(&mut self, now: &Situation<'_, R>) -> PerAxis<R> {
         let reaching = self.gains.zip(

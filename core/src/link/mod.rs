@@ -2,12 +2,29 @@
 //!
 //! On the wire a message is `COBS([version][postcard][CRC-32 of both, little endian])` and a zero byte. A
 //! zero byte never occurs inside, so a receiver that comes late, or loses bytes, is in step again after the
-//! next one; what is damaged fails its CRC and is dropped.
+//! next one; what is damaged fails its CRC and is dropped. The bytes of every message are literals in
+//! `core/tests/wire/frames.txt`: what changes them changes [`VERSION`].
 //!
 //! A message to the board travels as [`Numbered`]: one whose number is not newer than what the board has
 //! dealt with is dropped and counted, since a line may hand out old bytes again. [`ToBoard::Identify`] is
 //! answered and [`ToBoard::Disarm`] obeyed whatever its number. What can turn a motor, clear a fault or change
 //! what flies carries the [`Nonce`] of this boot: a host that has not asked who is there cannot do that.
+//!
+//! ```
+//! use twinrotor::link::{Decoder, MAX_FRAME, Nonce, ToBoard, encode};
+//! use twinrotor::sequence::{Numbered, Sequence};
+//!
+//! let arm = ToBoard::Arm(Nonce(7)).numbered(Sequence(1));
+//! let mut buffer = [0; MAX_FRAME];
+//! let frame = encode(&arm, &mut buffer).expect("every message fits its frame");
+//! assert_eq!(frame.last(), Some(&0), "a zero byte ends a frame, and none is in it");
+//!
+//! // The other side takes bytes as they come; the last of a frame completes the message.
+//! let mut decoder = Decoder::new();
+//! let received: Vec<Numbered<ToBoard>> =
+//!     frame.iter().filter_map(|&byte| decoder.push(byte)).map(|got| got.expect("undamaged")).collect();
+//! assert_eq!(received, [arm]);
+//! ```
 
 #[cfg(test)]
 mod tests;
@@ -25,6 +42,8 @@ use crate::telemetry::Frame;
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
+/// \[baud\] Of the serial line between host and board: 8 data bits, no parity, 1 stop bit.
+pub const BAUD: u32 = 1_000_000;
 /// Version of the messages, the first byte of each.
 pub const VERSION: u8 = 3;
 /// \[byte\] The most that a frame of telemetry takes on the wire.
@@ -45,7 +64,7 @@ pub fn ticks_per_frame(baud: u32) -> u16 {
 }
 
 /// What a boot of a board is known by: another one each time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Nonce(pub u32);
 
 /// From the host; on the wire with its number, as [`Numbered`].
@@ -97,6 +116,19 @@ impl ToBoard {
             | Self::WriteParameters(nonce, _) => Some(*nonce),
             _ => None,
         }
+    }
+
+    /// The same, meant for the boot `now`, where it matters.
+    #[must_use]
+    pub fn meant_for(mut self, now: Nonce) -> Self {
+        match &mut self {
+            Self::Arm(nonce)
+            | Self::ClearFault(nonce)
+            | Self::Check(nonce)
+            | Self::WriteParameters(nonce, _) => *nonce = now,
+            _ => {}
+        }
+        self
     }
 
     /// With the number `sequence`, ready to be encoded.

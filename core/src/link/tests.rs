@@ -94,30 +94,6 @@ proptest! {
     }
 }
 
-/// The bytes themselves, so that a change of the protocol cannot go unnoticed: COBS of version 3, number,
-/// variant, contents and CRC-32. Made with zlib's CRC and a COBS of its own, in Python.
-#[test]
-fn messages_on_the_wire() {
-    let cases: [(u16, ToBoard, &[u8]); 6] = [
-        (1, ToBoard::Alive, &[3, 3, 1, 5, 10, 86, 28, 228, 0]),
-        (200, ToBoard::Identify, &[9, 3, 200, 1, 1, 221, 182, 81, 194, 0]),
-        (65535, ToBoard::Disarm, &[10, 3, 255, 255, 3, 2, 62, 141, 60, 36, 0]),
-        (
-            2,
-            ToBoard::Setpoint(Reference::at_rest(PerAxis::new(0.25, -0.5))),
-            &[
-                4, 3, 2, 3, 1, 3, 128, 62, 1, 1, 2, 191, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 5, 189,
-                171, 187, 140, 0,
-            ],
-        ),
-        (3, ToBoard::Arm(Nonce(0x1234_5678)), &[13, 3, 3, 5, 248, 172, 209, 145, 1, 79, 58, 103, 102, 0]),
-        (4, ToBoard::Telemetry { every: 1000 }, &[10, 3, 4, 8, 232, 7, 101, 167, 48, 8, 0]),
-    ];
-    for (sequence, message, bytes) in cases {
-        assert_eq!(framed(&message.clone().numbered(Sequence(sequence))), bytes, "{message:?}");
-    }
-}
-
 /// The longest frame there can be: every number of varying length at its longest, and no zero byte, which
 /// COBS makes no difference of.
 #[test]

@@ -19,7 +19,8 @@ use crate::validate::Invalid;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Version of the record. Another one on flash is not read: the numbers would mean something else.
+/// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers would
+/// mean something else; the board then keeps its motors off until a record of this version is stored.
 pub const VERSION: u16 = 5;
 
 /// What a board runs with.
@@ -148,20 +149,27 @@ impl Provenance {
     }
 }
 
+/// What is wrong, and what to do about it.
 impl fmt::Display for ParameterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Damaged => f.write_str("the parameter record is damaged: write the parameters anew"),
+            Self::Damaged => f.write_str(
+                "the bytes are no parameter record: make one from the gains file and store it again",
+            ),
             Self::Version { found } => write!(
                 f,
-                "the parameter record is of version {found}, and version {VERSION} is read: \
-                 write the parameters anew from rig and gains file"
+                "the parameter record is of version {found}, and only version {VERSION} is read: make it \
+                 anew from its gains file with this program, and store it again"
             ),
-            Self::Range { field, allowed } => write!(f, "{field} is out of range: {allowed}"),
-            Self::TooLong => f.write_str("the parameter record is longer than its place on flash"),
+            Self::Range { field, allowed } => {
+                write!(f, "{field} cannot be used on a board; allowed: {allowed}")
+            }
+            Self::TooLong => f.write_str("the parameter record does not fit its place on flash"),
         }
     }
 }
+
+impl core::error::Error for ParameterError {}
 
 impl Parameters {
     /// For a rig and a controller: settings as given, the rest as the rig has it.

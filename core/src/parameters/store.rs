@@ -19,8 +19,12 @@
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 use embedded_storage::nor_flash::NorFlash;
 
-/// Pages in the parameter area.
+/// Pages in the parameter area: sectors 1 to 3 of an STM32F4.
 pub const PAGES: u32 = 3;
+/// \[byte\] Where they begin, from the beginning of flash; `memory.x` keeps the program out of them.
+pub const AREA_OFFSET: u32 = 0x4000;
+/// Where they begin in an STM32's address space, whose flash begins at 0x0800_0000.
+pub const AREA_ADDRESS: u32 = 0x0800_0000 + AREA_OFFSET;
 /// Bytes of a slot, and so of a record with its frame.
 pub const SLOT_SIZE: usize = 1024;
 /// The longest payload, in bytes.

@@ -16,6 +16,10 @@ pub mod trig;
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+/// 1.5 x 2^23: an `f32` below 2^22 that this is added to and taken from again is rounded to a whole number, a
+/// tie to the even one, by the rounding of IEEE 754 itself.
+pub const ROUND_F32: f32 = 12_582_912.0;
+
 /// The outcome of a comparison: one truth value, or one for each lane.
 pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// The same truth value in every lane.

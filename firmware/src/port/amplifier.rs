@@ -13,13 +13,13 @@ use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::timer::{Ch1, Ch2, Ch3, Ch4};
 use twinrotor::axes::PerMotor;
+use twinrotor::drive::FULL_STEPS;
 
 /// \[counts\] Half a PWM period: 168 MHz / 20 kHz / 2.
 const TOP: u16 = 4_200;
 /// 1 ms: 40 x 4200 / 168 MHz.
 const HALF_PERIODS: u16 = 40;
-/// Compare steps from zero to the full supply.
-pub(crate) const FULL_STEPS: u32 = 2_100;
+const _: () = assert!(FULL_STEPS == TOP as u32 / 2, "half of the period each is zero volts");
 
 /// \[counts\] Zero volts.
 const NO_VOLTS: u16 = match AMPLIFIER {

@@ -12,7 +12,7 @@ use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::timer::qei::Qei;
 use senses::{Sensed, Senses};
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::drive::{Drive, Duty};
+use twinrotor::drive::{Drive, Duty, FULL_STEPS};
 
 /// What the tick needs of a rig.
 pub(crate) trait PlantPort {
@@ -54,7 +54,7 @@ impl EncoderPwmPort {
 
 impl PlantPort for EncoderPwmPort {
     fn drive(&self) -> Drive<f32> {
-        Drive::new(amplifier::FULL_STEPS)
+        Drive::new(FULL_STEPS)
     }
 
     fn counters(&mut self) -> PerAxis<u32> {

@@ -2,18 +2,7 @@
 
 use super::common::Common;
 use super::{print, print_json, tables};
-use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
 use crate::error::Outcome;
-use crate::flight::Fidelity;
-use crate::gains_file::GainsFile;
-use crate::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
-use crate::metrics::{Criterion, Integral};
-use crate::objective::Objective;
-use crate::operation_count::{Counted, operations};
-use crate::optimise::Candidate;
-use crate::rig::NamedRig;
-use crate::scenario::{SAMPLE_TIME, Scenario};
-use crate::tuner::Problem;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
@@ -22,6 +11,17 @@ use twinrotor::gains;
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
+use twinrotor_sim::metrics::{Criterion, Integral};
+use twinrotor_sim::operation_count::{Counted, operations};
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::Candidate;
+use twinrotor_tune::search::Problem;
 
 /// Flags of `bench`.
 #[derive(Debug, clap::Args)]
@@ -85,7 +85,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 type Run<'a> = Box<dyn Fn() -> usize + 'a>;
 
 fn measure(named: &NamedRig) -> Outcome<Document> {
-    let scenario = Scenario::load("step")?;
+    let scenario = Scenario::named("step")?;
     let lanes = |fidelity| Objective::new(Criterion::Ise, &named.rig, &scenario, fidelity, 1);
     let (ideal, rig) = (lanes(Fidelity::Ideal), lanes(Fidelity::Rig));
     let (single, double) = (scenario.references::<f32>(), scenario.references::<f64>());

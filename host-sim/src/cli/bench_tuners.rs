@@ -2,24 +2,26 @@
 
 use super::common::{Common, catch_interrupts, interrupted};
 use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome, at_least, known_name};
-use crate::export;
+use crate::error::{Failure, Outcome};
 use crate::figures;
-use crate::flight::Fidelity;
-use crate::metrics::Criterion;
-use crate::objective::Objective;
-use crate::optimise::{ALGORITHMS, Bounds, Setup};
-use crate::peers::{self, Peer, Standing, best_known, standings};
-use crate::plot;
-use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Robust, Trial};
-use crate::scenario::Scenario;
-use crate::tunable::Tunable;
-use crate::tuner::Problem;
+use crate::files::export::{self, Column, Table};
+use crate::files::figure;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::gains;
+use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::contest::{Peer, Standing, best_known, standings};
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::{ALGORITHMS, Bounds, Setup};
+use twinrotor_tune::robust::{self, Robust, Trial};
+use twinrotor_tune::search::Problem;
+use twinrotor_tune::tunable::Tunable;
 
 /// Flags of `bench-tuners`.
 #[derive(Debug, clap::Args)]
@@ -79,17 +81,17 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let setups = setups(args)?;
     if let Some(path) = &args.plot {
-        plot::check("--plot", path)?;
+        figure::check("--plot", path)?;
     }
     if let Some(path) = &args.export {
         export::check("--export", path, false)?;
     }
     let (peers, what) = match args.objective {
         Goal::Ise => {
-            let step = Scenario::load("step")?;
+            let step = Scenario::named("step")?;
             let problem =
                 Objective::new(Criterion::Ise, &named.rig, &step, Fidelity::Ideal, args.common.seed);
-            let bounds = Bounds::new(vec![gains::PAPER_BOUNDS; 4]).map_err(Failure::Input)?;
+            let bounds = Bounds::new(vec![gains::PAPER_BOUNDS; 4])?;
             (search(args, &setups, &bounds, &problem)?, "ISE of the step, four gains in 1..25".to_owned())
         }
         Goal::Robust => robust_problem(args, &named, &setups)?,
@@ -98,10 +100,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let standings = standings(&peers, known);
     if let Some(path) = &args.plot {
         let title = format!("{}: {what}; median of {} seeds, quarter points", named.name, args.seeds);
-        figures::convergence(&title, &peers, known, setups[0].1.evaluations).write(path)?;
+        figure::write(&figures::convergence(&title, &peers, known, setups[0].1.evaluations), path)?;
     }
     if let Some(path) = &args.export {
-        peers::table(&peers).write(path)?;
+        runs(&peers).write(path)?;
     }
     if args.common.json {
         return print_json(&Document {
@@ -135,7 +137,7 @@ fn setups(args: &Args) -> Outcome<Vec<(String, Setup)>> {
     let setup = |name: String| {
         let algorithm = *known_name("algorithm", &name, &ALGORITHMS)?;
         let setup = Setup { algorithm, population: None, evaluations };
-        setup.validate().map_err(|e| Failure::Input(format!("--{e}")))?;
+        setup.validate().map_err(Failure::of_flag)?;
         Ok((name, setup))
     };
     names.into_iter().map(setup).collect()
@@ -151,7 +153,7 @@ fn robust_problem(args: &Args, named: &NamedRig, setups: &[(String, Setup)]) -> 
     let allowance = robust::allowance(&named.name, &named.rig);
     let trial = Trial::new(&named.rig, args.plants, args.common.seed, allowance);
     let reach = args.range.ln();
-    let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()]).map_err(Failure::Input)?;
+    let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     let what = format!(
         "robust objective of '{}' on {} plants, {} parameters within a factor of {}",
         args.controller,
@@ -185,6 +187,20 @@ fn search(
     let peers = setups.iter().map(one).collect();
     bar.finish_and_clear();
     peers
+}
+
+/// Every run as a row: method, seed, cost and where it was found.
+fn runs(peers: &[Peer]) -> Table {
+    let all = || peers.iter().flat_map(|p| p.runs.iter().map(move |r| (p, r)));
+    let mut table = Table::default();
+    table.push("algorithm", Column::Words(all().map(|(p, _)| p.name.clone()).collect()));
+    table.push("seed", Column::Numbers(all().map(|(_, r)| r.seed as f64).collect()));
+    table.push("cost", Column::Numbers(all().map(|(_, r)| r.cost).collect()));
+    let dimension = all().next().map_or(0, |(_, r)| r.position.len());
+    for k in 0..dimension {
+        table.push(&format!("x{}", k + 1), Column::Numbers(all().map(|(_, r)| r.position[k]).collect()));
+    }
+    table
 }
 
 fn table(standings: &[Standing]) -> comfy_table::Table {

@@ -1,13 +1,15 @@
 //! Flags that several commands share, and how they are resolved.
 
-use crate::checkpoint;
-use crate::error::{Failure, Outcome, at_least};
-use crate::rig::{self, NamedRig};
+use crate::error::{Failure, Outcome};
+use crate::files;
+use crate::files::checkpoint;
 use clap::Args;
-use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use twinrotor::axes::PerMotor;
+use twinrotor_sim::Error;
+use twinrotor_sim::error::at_least;
+use twinrotor_sim::rig::NamedRig;
 
 /// Of every command that computes.
 #[derive(Debug, Args)]
@@ -32,7 +34,7 @@ pub(super) struct Common {
 impl Common {
     /// Reads the rig and sets the threads.
     pub(super) fn resolve(&self) -> Outcome<NamedRig> {
-        let mut named = rig::load(&self.preset)?;
+        let mut named = files::rig(&self.preset)?;
         if let Some(lag) = self.rotor_lag {
             named.rig.plant.rotor_time_constant = PerMotor::both(at_least("--rotor-lag", lag, 0.0, false)?);
         }
@@ -60,18 +62,33 @@ pub(super) struct Checkpoint {
 
 impl Checkpoint {
     /// What the file holds with `--resume`; without, a new search and a checkpoint that nothing is lost by.
-    pub(super) fn resume_or<S: DeserializeOwned>(
+    pub(super) fn resume_or<S>(
         &self,
         identity: String,
+        resume: fn(&[u8], &str) -> Result<S, Error>,
         new: impl FnOnce(String) -> S,
     ) -> Outcome<S> {
         match &self.file {
-            Some(path) if self.resume => return checkpoint::read(path, &identity),
+            Some(path) if self.resume => {
+                let resumed = resume(&checkpoint::read(path)?, &identity);
+                return Ok(resumed.map_err(|e| e.within(path.display()))?);
+            }
             Some(path) => checkpoint::check_fresh(path)?,
             None => {}
         }
         Ok(new(identity))
     }
+}
+
+/// How a search ended, but for one that failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    /// The budget is used up.
+    Complete,
+    /// The time limit came first.
+    TimeLimit,
+    /// It was interrupted.
+    Interrupted,
 }
 
 /// Two numbers with a comma between them.

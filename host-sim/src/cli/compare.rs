@@ -1,19 +1,22 @@
 //! `compare`: controllers side by side on the same plants, none of which they were tuned on.
 
 use super::common::{Common, pair};
-use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome, at_least, known_name};
-use crate::export::{self, Column, Table};
-use crate::flight::Fidelity;
-use crate::gains_file::GainsFile;
-use crate::output;
-use crate::rig::{self, NamedRig};
-use crate::robust::{self, CATALOGUE, Row, Score, Trial, Tuning};
+use super::{choices, print, print_json, tables};
+use crate::error::{Failure, Outcome};
+use crate::files;
+use crate::files::export::{self, Column, Table};
+use crate::files::output;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::PlantParameters;
+use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::design::{self, CATALOGUE};
+use twinrotor_tune::robust::{self, Row, Score, Trial, Tuning};
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -25,7 +28,7 @@ pub(super) struct Args {
     plants: usize,
     /// The rig's world is the only one that controllers are compared in
     #[arg(long, default_value = "rig")]
-    fidelity: Fidelity,
+    fidelity: choices::Fidelity,
     /// Which, by name or gains file, instead of all there are; 'ours' is always there
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     controllers: Vec<String>,
@@ -69,7 +72,7 @@ const UNSEEN: u64 = 1_000_000;
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
-    if args.fidelity != Fidelity::Rig {
+    if args.fidelity != choices::Fidelity::Rig {
         return Err(Failure::Input("--fidelity is ideal; allowed: rig".to_owned()));
     }
     if args.plants < 2 || args.plants > 100_000 {
@@ -88,7 +91,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         .iter()
         .zip(&scores)
         .enumerate()
-        .map(|(k, ((name, c), own))| Row::new(name, own, (k > 0).then_some(&*scores[0]), robust::uses(c)))
+        .map(|(k, ((name, c), own))| Row::new(name, own, (k > 0).then_some(&*scores[0]), design::uses(c)))
         .collect();
     if let Some(path) = &args.export {
         let names = controllers.iter().map(|(name, _)| name.as_str());
@@ -97,7 +100,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if args.common.json {
         return print_json(&Document {
             preset: &named.name,
-            fidelity: args.fidelity,
+            fidelity: args.fidelity.into(),
             plants: args.plants,
             seed: args.common.seed,
             rotor_lag: named.rig.plant.rotor_time_constant,
@@ -125,7 +128,7 @@ fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
         trial.step = PerAxis::new(pitch, yaw).map(f64::to_radians);
     }
     if let Some(rig) = &args.true_rig {
-        let truth = rig::load(rig)?.rig.plant;
+        let truth = files::rig(rig)?.rig.plant;
         for draw in &mut trial.plants {
             draw.plant = PlantParameters { rotor_time_constant: draw.plant.rotor_time_constant, ..truth };
         }
@@ -187,7 +190,8 @@ fn file_stem(named: &NamedRig) -> String {
 /// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as
 /// it was designed and is marked so.
 fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, ControllerSettings<f64>)>> {
-    let load = |path: &Path| Ok::<_, Failure>(GainsFile::load(&path.display().to_string())?.controller);
+    let load =
+        |path: &Path| Ok::<_, Failure>(files::gains("--gains", &path.display().to_string())?.controller);
     let tuned_or_designed = |path: &Path, shown: &str, design: &str| {
         if path.exists() {
             return Ok((shown.to_owned(), load(path)?));
@@ -222,8 +226,8 @@ fn tune_all(args: &Args, named: &NamedRig, rounds: usize) -> Outcome<()> {
     }
     let tuning = Tuning::standard(named, rounds, args.common.seed);
     let wanted = |name: &str| args.controllers.is_empty() || args.controllers.iter().any(|c| c == name);
-    for (name, _) in CATALOGUE.iter().filter(|(name, _)| *name != "paper" && wanted(name)) {
-        save(&compared_path(args, named, name), &tuning.run(name)?)?;
+    for (name, design) in CATALOGUE.iter().filter(|(name, _)| *name != "paper" && wanted(name)) {
+        save(&compared_path(args, named, name), &tuning.run(*design)?)?;
     }
     Ok(())
 }

@@ -1,16 +1,17 @@
 //! `flash`: gains onto a board.
 
 use super::{print, print_json};
-use crate::board;
 use crate::error::{Failure, Outcome};
-use crate::flash::{self, IMAGE_ADDRESS};
-use crate::gains_file::GainsFile;
-use crate::output;
-use crate::rig;
+use crate::files;
+use crate::files::output;
+use crate::serial;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use twinrotor::parameters::Parameters;
+use twinrotor::parameters::store::AREA_ADDRESS;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_station::image;
 
 /// Flags of `flash`.
 #[derive(Debug, clap::Args)]
@@ -50,11 +51,11 @@ struct Document {
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
-    let gains = GainsFile::load(&args.gains)?;
-    let named = rig::load(preset(args, &gains)?)?;
+    let gains = files::gains("GAINS", &args.gains)?;
+    let named = files::rig(preset(args, &gains)?)?;
     let mut parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.checked = args.checked;
-    let image = flash::image(&parameters)?;
+    let image = image::image(&parameters)?;
     let warning = not_a_rig(&named.name, &gains);
     if let Some(warning) = &warning {
         eprintln!("warning: {warning}");
@@ -66,7 +67,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     };
     if args.json {
         let bytes = image.len();
-        print_json(&Document { preset: named.name, gains, address: IMAGE_ADDRESS, bytes, done, warning })
+        print_json(&Document { preset: named.name, gains, address: AREA_ADDRESS, bytes, done, warning })
     } else {
         print(&format!("{done}\n"))
     }
@@ -78,7 +79,8 @@ fn preset<'a>(args: &'a Args, gains: &'a GainsFile) -> Outcome<&'a str> {
         (Some(name), _) => Ok(name),
         (None, Some(provenance)) => Ok(&provenance.preset),
         (None, None) => Err(Failure::Input(format!(
-            "--preset is missing, and {} does not say which rig it was tuned on; name the rig, such as --preset aero2",
+            "--preset is missing, and {} does not say which rig it was tuned on; name the rig, such as \
+             --preset aero2",
             args.gains
         ))),
     }
@@ -91,8 +93,8 @@ fn not_a_rig(preset: &str, gains: &GainsFile) -> Option<String> {
     if on_paper(tuned) || on_paper(preset) {
         let name = if on_paper(tuned) { tuned } else { preset };
         return Some(format!(
-            "these gains are for preset '{name}', whose plant is the paper's and not that of any rig: tune on aero, aero2, \
-             aero-lab, heli or a preset of your own rig before you fly"
+            "these gains are for preset '{name}', whose plant is the paper's and not that of any rig: tune \
+             on aero, aero2, aero-lab, heli or a preset of your own rig before you fly"
         ));
     }
     (tuned != preset).then(|| format!("these gains were tuned on '{tuned}', not on '{preset}'"))
@@ -102,7 +104,7 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
     output::check("--image", path)?;
     let bytes = match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => image.to_vec(),
-        Some("hex") => flash::intel_hex(image).into_bytes(),
+        Some("hex") => image::intel_hex(image).into_bytes(),
         _ => {
             return Err(Failure::Input(format!(
                 "--image is '{}'; allowed: a file that ends in .bin or .hex",
@@ -111,11 +113,11 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
         }
     };
     output::write(path, &bytes)?;
-    Ok(format!("wrote {} ({} bytes for {IMAGE_ADDRESS:#x})", path.display(), image.len()))
+    Ok(format!("wrote {} ({} bytes for {AREA_ADDRESS:#x})", path.display(), image.len()))
 }
 
 fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
-    let mut board = board::open(name)?;
+    let mut board = serial::open(name)?;
     let identity = board.identify()?;
     board.write(parameters)?;
     Ok(format!(
@@ -136,9 +138,10 @@ fn program(args: &Args, image: &[u8]) -> Outcome<String> {
     };
     if let Some(reason) = reason {
         return Err(Failure::Run(format!(
-            "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image parameters.bin`, then \
-             `probe-rs download --chip {chip} --binary-format bin --base-address {IMAGE_ADDRESS:#x} parameters.bin`. Over the \
-             serial link: `host-sim flash {gains} --preset {preset} --port DEVICE`",
+            "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image \
+             parameters.bin`, then `probe-rs download --chip {chip} --binary-format bin --base-address \
+             {AREA_ADDRESS:#x} parameters.bin`. Over the serial link: `host-sim flash {gains} --preset \
+             {preset} --port DEVICE`",
             gains = args.gains,
             preset = args.preset.as_deref().unwrap_or("PRESET"),
             chip = args.chip,
@@ -149,13 +152,13 @@ fn program(args: &Args, image: &[u8]) -> Outcome<String> {
     std::fs::write(file.path(), image).map_err(failed)?;
     let status = Command::new("probe-rs")
         .args(["download", "--chip", &args.chip, "--binary-format", "bin", "--base-address"])
-        .arg(format!("{IMAGE_ADDRESS:#x}"))
+        .arg(format!("{AREA_ADDRESS:#x}"))
         .arg(file.path())
         .stdout(std::process::Stdio::null())
         .status()
         .map_err(failed)?;
     if status.success() {
-        Ok(format!("programmed {} bytes at {IMAGE_ADDRESS:#x} of the {}", image.len(), args.chip))
+        Ok(format!("programmed {} bytes at {AREA_ADDRESS:#x} of the {}", image.len(), args.chip))
     } else {
         Err(Failure::Run(format!("probe-rs ended with {status}")))
     }

@@ -1,29 +1,34 @@
 //! `identify`: a rig's constants from its logs.
 
-use super::common::{Checkpoint, Common, catch_interrupts, interrupted};
+use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted};
 use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome, at_least};
-use crate::gains_file::GainsFile;
-use crate::identify::constants;
-use crate::identify::first_guess::{first_guess, swapped};
-use crate::identify::fit::Fit;
-use crate::identify::problem::Problem;
-use crate::identify::search::{Conduct, Effort, End, Search};
-use crate::identify::suggest::{Suggestion, suggest};
-use crate::identify::windows::Run;
-use crate::identify::{
-    self, Parameter, THRESHOLD, WINDOW, figures, hold_measured_lags, identified, offset_of, training_windows,
-};
-use crate::log::{Columns, Log};
-use crate::output;
-use crate::plot;
-use crate::rig::{self, NamedRig};
+use crate::error::{Failure, Outcome};
+use crate::figures::residuals::residuals;
+use crate::files;
+use crate::files::checkpoint::Keeper;
+use crate::files::figure;
+use crate::files::output;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use twinrotor::plant::presets::Rig;
+use twinrotor_identify::constants;
+use twinrotor_identify::first_guess::{first_guess, swapped};
+use twinrotor_identify::fit::Fit;
+use twinrotor_identify::log::Columns;
+use twinrotor_identify::problem::Problem;
+use twinrotor_identify::search::{Effort, Search};
+use twinrotor_identify::suggest::{Suggestion, suggest};
+use twinrotor_identify::windows::Run;
+use twinrotor_identify::{
+    Parameter, THRESHOLD, WINDOW, hold_measured_lags, identified, offset_of, training_windows,
+};
+use twinrotor_sim::error::at_least;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::rig::NamedRig;
 
 /// Flags of `identify`.
 #[derive(Debug, clap::Args)]
@@ -101,7 +106,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let mut named = args.common.resolve()?;
     let plot = check_paths(args)?;
     let window = at_least("--window", args.window, 0.2, false)?;
-    let mut free = constants::chosen(&args.free, &args.fix)?;
+    let mut free = constants::chosen(&args.free, &args.fix).map_err(Failure::of_flag)?;
     let runs = load(&args.logs, args, &named.rig)?;
     let others = load(&args.validate, args, &named.rig)?;
     let mut notes = notes(&runs, &others);
@@ -113,7 +118,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         measured.iter().map(|p| format!("{} is taken from the tachometers (--free it to fit it)", p.name)),
     );
 
-    let windows = training_windows(&runs, window)?;
+    let windows = training_windows(&runs, window).map_err(Failure::of_flag)?;
     let count = windows.len();
     let problem = Problem::new(&runs, windows, &named.rig.plant, &free, THRESHOLD);
     catch_interrupts();
@@ -129,7 +134,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 
     let plant = problem.plant(&found.values);
     let rig = identified(&named.rig, plant, &runs)?;
-    let (mut parameters, known) = identify::parameters(&problem, &found);
+    let (mut parameters, known) = twinrotor_identify::parameters(&problem, &found);
     output::write(&args.out, preset_file(&rig, args, &named).as_bytes())?;
     let mut compared: Vec<(&Run, f64, &'static str)> =
         runs.iter().zip(&found.offsets).map(|(run, offset)| (run, *offset, "train")).collect();
@@ -137,7 +142,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let fits: Vec<LogFit> =
         compared.iter().flat_map(|(run, offset, role)| log_fits(run, *offset, role, &rig)).collect();
     let drawn: Vec<(&Run, f64)> = compared.iter().map(|(run, offset, _)| (*run, *offset)).collect();
-    figures::residuals(&format!("Windows of {window} s, simulated"), &drawn, &plant, window).write(&plot)?;
+    let drawn = residuals(&format!("Windows of {window} s, simulated"), &drawn, &plant, window);
+    figure::write(&drawn, &plot)?;
 
     let suggestion = match &args.suggest {
         Some(path) => {
@@ -171,7 +177,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     match end {
         End::Interrupted => Err(Failure::Interrupted),
-        End::Complete => Ok(()),
+        End::Complete | End::TimeLimit => Ok(()),
     }
 }
 
@@ -179,7 +185,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 fn check_paths(args: &Args) -> Outcome<PathBuf> {
     output::check("--out", &args.out)?;
     let plot = args.plot.clone().unwrap_or_else(|| args.out.with_extension("svg"));
-    plot::check("--plot", &plot)?;
+    figure::check("--plot", &plot)?;
     if let Some(path) = &args.suggest {
         output::check("--suggest", path)?;
     }
@@ -190,9 +196,9 @@ fn check_paths(args: &Args) -> Outcome<PathBuf> {
 }
 
 fn load(paths: &[PathBuf], args: &Args, rig: &Rig) -> Outcome<Vec<Run>> {
-    let columns = Columns::parse(&args.columns).map_err(Failure::Input)?;
+    let columns = Columns::parse(&args.columns).map_err(Failure::of_flag)?;
     let load = |path: &PathBuf| {
-        let log = Log::load(path, &columns)?;
+        let log = files::log(path, &columns)?;
         log.check_volts(rig.volts_limit)?;
         Ok(Run::new(log))
     };
@@ -216,7 +222,8 @@ fn begin(args: &Args, named: &NamedRig, problem: &Problem<'_>, runs: &[Run]) -> 
         problem.free(),
         args.window
     );
-    args.checkpoint.resume_or(identity, |identity| Search::new(identity, problem, &named.rig.plant, effort))
+    let new = |identity| Search::new(identity, problem, &named.rig.plant, effort);
+    args.checkpoint.resume_or(identity, Search::resume, new)
 }
 
 fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End> {
@@ -228,27 +235,30 @@ fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End
         bar.set_message(format!("{what}, best {cost:.6}"));
         bar.tick();
     };
-    let conduct =
-        Conduct { checkpoint: args.checkpoint.file.clone(), interrupted: &interrupted, progress: &progress };
-    let end = search.run(problem, args.window, &conduct);
+    let keeper = Keeper::new(args.checkpoint.file.as_deref());
+    let end = search.run(problem, args.window, |search, what, cost| {
+        progress(what, cost);
+        match keeper.keep_now(|| search.checkpoint()) {
+            Err(failure) => ControlFlow::Break(Err(failure)),
+            Ok(()) if interrupted() => ControlFlow::Break(Ok(End::Interrupted)),
+            Ok(()) => ControlFlow::Continue(()),
+        }
+    });
     bar.finish_and_clear();
-    end
+    end.map_err(Failure::of_flag)?.break_value().unwrap_or(Ok(End::Complete))
 }
 
 fn log_fits(run: &Run, offset: f64, role: &'static str, rig: &Rig) -> Vec<LogFit> {
     let named = |fit| LogFit { log: run.log.name.clone(), role, offset_deg: offset.to_degrees(), fit };
-    identify::fits(run, &rig.plant, offset).into_iter().map(named).collect()
+    twinrotor_identify::fits(run, &rig.plant, offset).into_iter().map(named).collect()
 }
 
 fn gains(args: &Args, named: &NamedRig) -> Outcome<GainsFile> {
     if let Some(name) = &args.gains {
-        return GainsFile::load(name);
+        return files::gains("--gains", name);
     }
-    let own = twinrotor::defaults::ALL.iter().find(|(name, _)| *name == named.name);
-    Ok(own.map_or_else(GainsFile::paper, |(_, controller)| GainsFile {
-        controller: *controller,
-        provenance: None,
-    }))
+    let own = twinrotor::defaults::named(&named.name);
+    Ok(own.map_or_else(GainsFile::paper, |controller| GainsFile { controller, provenance: None }))
 }
 
 /// The preset, with where it came from as a comment.
@@ -260,7 +270,7 @@ fn preset_file(rig: &Rig, args: &Args, named: &NamedRig) -> String {
         named.name,
         args.common.seed,
         env!("CARGO_PKG_VERSION"),
-        rig::to_toml(rig)
+        twinrotor_sim::rig::to_toml(rig)
     )
 }
 

@@ -5,6 +5,7 @@
 
 mod bench;
 mod bench_tuners;
+mod choices;
 mod common;
 mod compare;
 mod flash;
@@ -13,7 +14,7 @@ mod pareto;
 mod replay;
 mod reproduce;
 mod simulate;
-pub mod tables;
+mod tables;
 mod tune;
 mod tune_report;
 mod tune_robust;

@@ -2,20 +2,24 @@
 
 use super::common::{Common, catch_interrupts, interrupted};
 use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome, at_least, known_name};
-use crate::export::{Column, Table};
+use crate::error::{Failure, Outcome};
 use crate::figures;
-use crate::gains_file::{GainsFile, Provenance};
-use crate::optimise::{Bounds, Compromise, Draws, knee, pareto_front};
-use crate::output;
+use crate::files;
+use crate::files::export::{Column, Table};
+use crate::files::figure;
+use crate::files::output;
 use crate::report;
-use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Score, Terms, Trial};
-use crate::tunable::Tunable;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
+use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::optimise::{Bounds, Compromise, Draws, knee, pareto_front};
+use twinrotor_tune::robust::{self, Score, Terms, Trial};
+use twinrotor_tune::tunable::Tunable;
 
 /// Flags of `pareto`.
 #[derive(Debug, clap::Args)]
@@ -73,14 +77,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     check(args)?;
     let start = match &args.start {
-        Some(path) => GainsFile::load(path)?.controller,
+        Some(path) => files::gains("--start", path)?.controller,
         None => known_name("controller", &args.controller, &CATALOGUE)?(&named.rig),
     };
     let tunable = Tunable::new(&start, &[])?;
     let allowance = robust::allowance(&named.name, &named.rig);
     let trial = Trial::new(&named.rig, args.plants, args.common.seed, allowance);
     let reach = args.range.ln();
-    let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()]).map_err(Failure::Input)?;
+    let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     report::prepare(&args.out)?;
 
     catch_interrupts();
@@ -141,7 +145,7 @@ fn write(
     }
     table.write(&args.out.join("front.csv"))?;
     let title = format!("{}: the trade-off on {} plants", named.name, args.plants);
-    figures::front(&title, front, chosen).write(&args.out.join("front.svg"))?;
+    figure::write(&figures::front(&title, front, chosen), &args.out.join("front.svg"))?;
     for (k, point) in front.iter().enumerate() {
         let provenance = Provenance {
             preset: named.name.clone(),

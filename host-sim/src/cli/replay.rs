@@ -2,20 +2,20 @@
 
 use super::common::Common;
 use super::{print, print_json, tables};
-use crate::board::{self, AT_ONCE};
 use crate::error::{Failure, Outcome};
-use crate::flash;
-use crate::gains_file::GainsFile;
-use crate::log::{Columns, Log};
-use crate::plot;
-use crate::replay::{self, Report};
-use crate::scenario::Scenario;
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::figures::replay::figure as drawn;
+use crate::files;
+use crate::files::figure;
+use crate::serial;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 use twinrotor::parameters::Parameters;
 use twinrotor::replay::{Replayed, Sample};
+use twinrotor_identify::log::Columns;
+use twinrotor_identify::replay::{self, Report};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_station::image;
 
 /// Flags of `replay`.
 #[derive(Debug, clap::Args)]
@@ -58,16 +58,16 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
-    let gains = GainsFile::load(&args.gains)?;
+    let gains = files::gains("--gains", &args.gains)?;
     if let Some(path) = &args.plot {
-        plot::check("--plot", path)?;
+        figure::check("--plot", path)?;
     }
-    let scenario = args.scenario.as_deref().map(Scenario::load).transpose()?;
-    let columns = Columns::parse(&args.columns).map_err(Failure::Input)?;
-    let log = Log::load(&args.log, &columns)?;
+    let scenario = args.scenario.as_deref().map(files::scenario).transpose()?;
+    let columns = Columns::parse(&args.columns).map_err(Failure::of_flag)?;
+    let log = files::log(&args.log, &columns)?;
     log.check_volts(named.rig.volts_limit)?;
     let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
-    parameters.validate().map_err(flash::unusable)?;
+    parameters.validate().map_err(image::unusable)?;
     let samples = replay::samples(&log, &named.rig, scenario.as_ref());
     let replayed = replay::replay(&parameters, &samples);
     let on_board =
@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let (rows, report) = replay::compare(&log, &samples, &replayed);
     let title = format!("{} through {} gains on {}", log.name, args.gains, named.name);
     if let Some(path) = &args.plot {
-        replay::figure(&title, &rows, named.rig.volts_limit).write(path)?;
+        figure::write(&drawn(&title, &rows, named.rig.volts_limit), path)?;
     }
     if args.common.json {
         let document = Document {
@@ -93,26 +93,20 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 
 /// The same on the board at `port`, whose answers must be the same.
 fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Replayed]) -> Outcome<String> {
-    let mut board = board::open(port)?;
+    let mut board = serial::open(port)?;
     let identity = board.identify()?;
     if !board.keeps(parameters)? {
         return Err(Failure::Run(format!(
-            "the board at {port} keeps other parameters than these gains and this preset make: host-sim flash GAINS --preset PRESET --port {port}"
+            "the board at {port} keeps other parameters than these gains and this preset make: host-sim \
+             flash GAINS --preset PRESET --port {port}"
         )));
     }
-    let bar = ProgressBar::new(samples.len() as u64);
-    let style = ProgressStyle::with_template("{bar:32} {pos}/{len} ticks on the board, {eta} left");
-    bar.set_style(style.expect("the template is well-formed"));
-    for (samples, here) in samples.chunks(AT_ONCE).zip(here.chunks(AT_ONCE)) {
-        let there = board.replay(samples)?;
-        if let Some((here, there)) = here.iter().zip(&there).find(|(here, there)| !here.same_bits(there)) {
-            return Err(Failure::Run(format!(
-                "the board does not compute what this program does: here {here:?}, there {there:?}"
-            )));
-        }
-        bar.inc(samples.len() as u64);
+    let there = board.replay(samples)?;
+    if let Some((here, there)) = here.iter().zip(&there).find(|(here, there)| !here.same_bits(there)) {
+        return Err(Failure::Run(format!(
+            "the board does not compute what this program does: here {here:?}, there {there:?}"
+        )));
     }
-    bar.finish_and_clear();
     Ok(format!(
         "{} with firmware {} gave the same bits in all {} ticks",
         identity.chip,
@@ -123,7 +117,8 @@ fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Rep
 
 fn summary(title: &str, report: &Report, on_board: Option<&str>, notes: &[String]) -> String {
     let mut text = format!(
-        "{title}\n{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s back and ahead\n",
+        "{title}\n{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s \
+         back and ahead\n",
         report.from_s,
         report.to_s,
         1e3 * report.sample_time_s,
@@ -146,9 +141,17 @@ fn summary(title: &str, report: &Report, on_board: Option<&str>, notes: &[String
     let _ = writeln!(text, "{table}");
     match report.volts_difference {
         Some(volts) => {
-            let _ = writeln!(text, "our volts minus the logged ones: main {:.2} V, tail {:.2} V rms", volts.main, volts.tail);
+            let _ = writeln!(
+                text,
+                "our volts minus the logged ones: main {:.2} V, tail {:.2} V \
+                rms",
+                volts.main, volts.tail
+            );
         }
-        None => text.push_str("what was wanted is not recorded: the law was not asked (--scenario, or columns ref_pitch,ref_yaw)\n"),
+        None => text.push_str(
+            "what was wanted is not recorded: the law was not asked (--scenario, or \
+            columns ref_pitch,ref_yaw)\n",
+        ),
     }
     if let Some(on_board) = on_board {
         let _ = writeln!(text, "{on_board}");

@@ -38,8 +38,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     let [reproduced, ambiguous, not, given] = report.tally();
     print(&format!(
-        "{reproduced} statements reproduced, {ambiguous} within the paper's ambiguity, {not} not reproduced, {given} taken as given; \
-         {:.1} s\nreport: {}\n",
+        "{reproduced} statements reproduced, {ambiguous} within the paper's ambiguity, {not} not reproduced, \
+         {given} taken as given; {:.1} s\nreport: {}\n",
         begun.elapsed().as_secs_f64(),
         args.out.join("index.html").display()
     ))

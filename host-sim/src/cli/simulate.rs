@@ -1,19 +1,30 @@
 //! `simulate`: fly one scenario.
 
+use super::choices;
 use super::common::{Common, pair};
-use super::{print, print_json, tables};
-use crate::error::{Outcome, at_least};
-use crate::export::{self, Table};
-use crate::figures;
-use crate::flight::{self, Fidelity, Plan, Scalar};
-use crate::gains_file::{Controller, GainsFile};
-use crate::metrics::Report;
-use crate::output;
-use crate::plot;
-use crate::scenario::{Disturbance, Scenario};
+use super::{print, print_json};
+use crate::error::{Failure, Outcome};
+use crate::files;
+use crate::files::export::{self, Table};
+use crate::files::figure;
+use crate::files::output;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::axes::PerAxis;
+use twinrotor::law::LawSettings;
+use twinrotor_plot::flight::flight as flight_figure;
+use twinrotor_sim::error::at_least;
+use twinrotor_sim::flight::{self, Fidelity, Plan, Scalar};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Report;
+use twinrotor_sim::scenario::{Disturbance, Scenario};
+
+/// The laws there are, each with what it is.
+fn laws() -> PossibleValuesParser {
+    let kinds = LawSettings::<f64>::KINDS.iter();
+    PossibleValuesParser::new(kinds.map(|kind| PossibleValue::new(kind.name).help(kind.doc)))
+}
 
 /// Flags of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -24,17 +35,17 @@ pub(super) struct Args {
     #[arg(long, default_value = "paper", value_name = "paper|FILE")]
     gains: String,
     /// Refuse gains that are of another controller
-    #[arg(long)]
-    controller: Option<Controller>,
+    #[arg(long, value_parser = laws())]
+    controller: Option<String>,
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
     #[arg(long, default_value = "step")]
     scenario: String,
     /// The paper's world or the rig's
     #[arg(long, default_value = "ideal")]
-    fidelity: Fidelity,
+    fidelity: choices::Fidelity,
     /// Arithmetic: as the board computes (f32), or to verify (f64)
     #[arg(long, default_value = "f32")]
-    scalar: Scalar,
+    scalar: choices::Scalar,
     /// How long to fly \[s\] instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
@@ -78,11 +89,11 @@ struct Document<'a> {
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let scenario = scenario(args)?;
-    let gains = GainsFile::load(&args.gains)?;
-    gains.require(args.controller)?;
+    let gains = files::gains("--gains", &args.gains)?;
+    gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
     let [pitch, yaw] = pair("--initial", &args.initial)?.map(f64::to_radians);
     if let Some(path) = &args.plot {
-        plot::check("--plot", path)?;
+        figure::check("--plot", path)?;
     }
     if let Some(path) = &args.csv {
         output::check("--csv", path)?;
@@ -97,10 +108,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         settings: &settings,
         scenario: &scenario,
         initial: PerAxis::new(pitch, yaw),
-        fidelity: args.fidelity,
+        fidelity: args.fidelity.into(),
         seed: args.common.seed,
     };
-    let flown = flight::fly(&plan, args.scalar)?;
+    let flown = flight::fly(&plan, args.scalar.into())?;
 
     if let Some(path) = &args.csv {
         output::write(path, Table::of_flight(&flown.rows).to_csv().as_bytes())?;
@@ -110,25 +121,25 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     let title = format!("{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
     if let Some(path) = &args.plot {
-        figures::flight(&title, &flown, settings.volts_limit).write(path)?;
+        figure::write(&flight_figure(&title, &flown, settings.volts_limit), path)?;
     }
     if args.common.json {
         return print_json(&Document {
             preset: &named.name,
             scenario: &scenario.name,
-            fidelity: args.fidelity,
-            scalar: args.scalar,
+            fidelity: args.fidelity.into(),
+            scalar: args.scalar.into(),
             seed: args.common.seed,
             duration_s: scenario.duration,
             gains: &gains,
             report: flown.report,
         });
     }
-    print(&format!("{title}\n{}", tables::report(&flown.report)))
+    print(&format!("{title}\n{}", flown.report))
 }
 
 fn scenario(args: &Args) -> Outcome<Scenario> {
-    let mut scenario = Scenario::load(&args.scenario)?;
+    let mut scenario = files::scenario(&args.scenario)?;
     if let Some(duration) = args.duration {
         scenario.duration = at_least("--duration", duration, 0.0, true)?;
     }

@@ -1,25 +1,30 @@
 //! `tune`: breed gains.
 
-use super::common::{Checkpoint, Common, catch_interrupts, interrupted, pair};
+use super::choices;
+use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted, pair};
 use super::tune_report::{document, name_of, summary};
 use super::{print, print_json, tune_robust};
-use crate::error::{Failure, Outcome, at_least, known_name};
+use crate::error::{Failure, Outcome};
 use crate::figures;
-use crate::flight::{self, Fidelity, Flight, Plan, Scalar};
-use crate::gains_file::{GainsFile, Provenance};
-use crate::metrics::Criterion;
-use crate::objective::Objective;
-use crate::optimise::{ALGORITHMS, Bounds, Draws, Setup};
-use crate::output;
-use crate::plot;
-use crate::rig::NamedRig;
-use crate::scenario::Scenario;
-use crate::tuner::{Conduct, End, Problem, Search};
+use crate::files;
+use crate::files::checkpoint::Keeper;
+use crate::files::figure;
+use crate::files::output;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use twinrotor::axes::PerAxis;
 use twinrotor::gains::NAMES;
+use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::flight::{self, Fidelity, Flight, Plan, Scalar};
+use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::{ALGORITHMS, Bounds, Draws, Setup};
+use twinrotor_tune::search::{Problem, Search};
 
 /// Flags of `tune`.
 #[derive(Debug, clap::Args)]
@@ -39,7 +44,7 @@ pub(super) struct Args {
     scenario: String,
     /// The paper's world or the rig's
     #[arg(long, default_value = "ideal")]
-    pub(super) fidelity: Fidelity,
+    pub(super) fidelity: choices::Fidelity,
     /// How long each candidate flies \[s\] instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     horizon: Option<f64>,
@@ -117,7 +122,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         request.criterion,
         &request.named.rig,
         &request.scenario,
-        args.fidelity,
+        args.fidelity.into(),
         args.common.seed,
     );
     let mut search = begin(args, &request)?;
@@ -139,8 +144,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     output::write(&args.out, found.to_toml().as_bytes())?;
     let flown = fly_both(args, &request, &found)?;
     let limit = request.named.rig.volts_limit;
-    figures::comparison(&title(args, &request), [("paper", &flown[0]), ("tuned", &flown[1])], limit)
-        .write(&request.plot)?;
+    let drawn =
+        figures::comparison(&title(args, &request), [("paper", &flown[0]), ("tuned", &flown[1])], limit);
+    figure::write(&drawn, &request.plot)?;
 
     let wall = begun.elapsed().as_secs_f64();
     if args.common.json {
@@ -156,7 +162,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 
 fn resolve(args: &Args) -> Outcome<Request> {
     let named = args.common.resolve()?;
-    let mut scenario = Scenario::load(&args.scenario)?;
+    let mut scenario = files::scenario(&args.scenario)?;
     if let Some(horizon) = args.horizon {
         scenario.duration = at_least("--horizon", horizon, 0.0, true)?;
     }
@@ -165,7 +171,7 @@ fn resolve(args: &Args) -> Outcome<Request> {
         Goal::Ise => Criterion::Ise,
         Goal::Iae => Criterion::Iae,
         Goal::Itae => Criterion::Itae,
-        Goal::Robust if args.fidelity == Fidelity::Rig => Criterion::Ise,
+        Goal::Robust if args.fidelity == choices::Fidelity::Rig => Criterion::Ise,
         Goal::Robust => {
             return Err(Failure::Input(
                 "--objective is robust, --fidelity ideal; allowed: --fidelity rig with it".to_owned(),
@@ -177,13 +183,13 @@ fn resolve(args: &Args) -> Outcome<Request> {
         population: args.population,
         evaluations: args.population.unwrap_or(50).saturating_mul(args.iterations.saturating_add(1)),
     };
-    setup.validate().map_err(|e| Failure::Input(format!("--{e}")))?;
+    setup.validate().map_err(Failure::of_flag)?;
     let bounds = pair("--bounds", &args.bounds)?;
     at_least("--bounds: the lower one", bounds[0], 0.0, true)?;
     at_least("--bounds: the upper one", bounds[1], bounds[0], true)?;
     output::check("--out", &args.out)?;
     let plot = args.plot.clone().unwrap_or_else(|| args.out.with_extension("svg"));
-    plot::check("--plot", &plot)?;
+    figure::check("--plot", &plot)?;
     let time_limit = match args.time_limit {
         Some(limit) => Some(Duration::try_from_secs_f64(at_least("--time-limit", limit, 0.0, true)?)),
         None => None,
@@ -205,8 +211,8 @@ fn begin(args: &Args, request: &Request) -> Outcome<Search> {
         request.bounds,
         request.setup,
     );
-    let bounds = Bounds::new(vec![request.bounds; NAMES.len()]).map_err(Failure::Input)?;
-    args.checkpoint.resume_or(identity, |identity| {
+    let bounds = Bounds::new(vec![request.bounds; NAMES.len()])?;
+    args.checkpoint.resume_or(identity, Search::resume, |identity| {
         Search::new(identity, request.setup.start(bounds, Draws::new(args.common.seed)))
     })
 }
@@ -228,20 +234,29 @@ pub(super) fn drive(
         bar.set_position(evaluations as u64);
         bar.set_message(format!("{cost:.6}"));
     };
-    let conduct = Conduct {
-        checkpoint: args.checkpoint.file.clone(),
-        time_limit: request.time_limit,
-        interrupted: &interrupted,
-        progress: &progress,
-    };
-    let end = search.run(problem, &conduct);
+    let (begun, keeper) = (Instant::now(), Keeper::new(args.checkpoint.file.as_deref()));
+    let end = search.run(problem, |search| {
+        progress(search.evaluations(), search.cost());
+        if let Err(failure) = keeper.keep(|| search.checkpoint()) {
+            return ControlFlow::Break(Err(failure));
+        }
+        if interrupted() {
+            return ControlFlow::Break(Ok(End::Interrupted));
+        }
+        if request.time_limit.is_some_and(|limit| begun.elapsed() >= limit) {
+            return ControlFlow::Break(Ok(End::TimeLimit));
+        }
+        ControlFlow::Continue(())
+    });
     bar.finish_and_clear();
-    end
+    let end = end.break_value().unwrap_or(Ok(End::Complete))?;
+    keeper.keep_now(|| search.checkpoint())?;
+    Ok(end)
 }
 
 /// The paper's gains and those found, on the scenario that they were tuned for.
 fn fly_both(args: &Args, request: &Request, found: &GainsFile) -> Outcome<[Flight; 2]> {
-    let fly = |gains: &GainsFile| fly_in(args, request, gains, args.fidelity);
+    let fly = |gains: &GainsFile| fly_in(args, request, gains, args.fidelity.into());
     Ok([fly(&GainsFile::paper())?, fly(found)?])
 }
 
@@ -261,7 +276,7 @@ pub(super) fn fly_in(
         fidelity,
         seed: args.common.seed,
     };
-    flight::fly(&plan, Scalar::F32)
+    Ok(flight::fly(&plan, Scalar::F32)?)
 }
 
 fn title(args: &Args, request: &Request) -> String {

@@ -1,19 +1,19 @@
 //! What `tune` reports.
 
-use super::tables;
 use super::tune::{Args, Request, fly_in};
+use super::{choices, tables};
 use crate::error::Outcome;
-use crate::flight::{Fidelity, Flight};
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::objective::Objective;
-use crate::rig::NamedRig;
-use crate::scenario::SAMPLE_TIME;
-use crate::tuner::{Effort, Search};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use twinrotor::gains::{self, NAMES};
+use twinrotor_sim::flight::{Fidelity, Flight};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::SAMPLE_TIME;
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::search::{Effort, Search};
 
 /// A gain this near to a bound (part of the range) is probably held there by it.
 const NEAR_A_BOUND: f64 = 0.02;
@@ -87,7 +87,7 @@ pub(super) fn document<'a>(
         run: Run::new(args, &request.named, search, request.scenario.duration, wall_s),
         objective: request.criterion,
         scenario: &request.scenario.name,
-        fidelity: args.fidelity,
+        fidelity: args.fidelity.into(),
         gains: found,
     }
 }
@@ -108,7 +108,8 @@ pub(super) fn summary(
     let Effort { simulated, skipped, diverged } = search.effort();
     let _ = writeln!(
         text,
-        "{} on preset {}, scenario {}: {} evaluations, {:.2} million steps and {:.2} million skipped, in {:.2} s",
+        "{} on preset {}, scenario {}: {} evaluations, {:.2} million steps and {:.2} million skipped, in \
+         {:.2} s",
         args.algorithm,
         request.named.name,
         request.scenario.name,
@@ -189,7 +190,8 @@ fn bound_warnings(request: &Request, found: &GainsFile) -> String {
         };
         let _ = writeln!(
             text,
-            "warning: {name} = {value:.3} lies at the bound {bound}: the objective wants more than the bounds allow"
+            "warning: {name} = {value:.3} lies at the bound {bound}: the objective wants more than the \
+             bounds allow"
         );
     }
     text
@@ -197,12 +199,12 @@ fn bound_warnings(request: &Request, found: &GainsFile) -> String {
 
 /// The same two sets of gains with what an objective in the paper's world does not see.
 fn in_the_rigs_world(args: &Args, request: &Request, found: &GainsFile, objective_name: &str) -> String {
-    if args.fidelity == Fidelity::Rig {
+    if args.fidelity == choices::Fidelity::Rig {
         return String::new();
     }
     let mut text = format!(
-        "\nWhat {objective_name} in the paper's world does not see: the same gains in the rig's (--fidelity rig: \
-         rotor lag {} s, encoder counts, estimated rates, one tick of delay)\n",
+        "\nWhat {objective_name} in the paper's world does not see: the same gains in the rig's (--fidelity \
+         rig: rotor lag {} s, encoder counts, estimated rates, one tick of delay)\n",
         request.named.rig.plant.rotor_time_constant.main
     );
     let flights = [GainsFile::paper(), found.clone()].map(|g| fly_in(args, request, &g, Fidelity::Rig));

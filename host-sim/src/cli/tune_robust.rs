@@ -1,19 +1,23 @@
 //! `tune --objective robust`: any parameter of any controller, on many plants at once.
 
+use super::common::End;
 use super::tune::{Args, Request, drive};
 use super::tune_report::Run;
 use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome, at_least, known_name};
-use crate::gains_file::{GainsFile, Provenance};
-use crate::output;
-use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Limit, Plan, Robust, Terms, Trial};
-use crate::tunable::Tunable;
-use crate::tuner::{End, Search};
+use crate::error::{Failure, Outcome};
+use crate::files;
+use crate::files::output;
 use serde::Serialize;
 use std::fmt::Write;
 use std::time::Instant;
 use twinrotor::controller::ControllerSettings;
+use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::robust::{self, Limit, Plan, Robust, Terms, Trial};
+use twinrotor_tune::search::Search;
+use twinrotor_tune::tunable::Tunable;
 
 #[derive(Debug, Serialize)]
 struct Document<'a> {
@@ -31,7 +35,7 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
     let begun = Instant::now();
     let named = &request.named;
     let start = start(args, named)?;
-    let tunable = Tunable::new(&start, &args.parameters)?;
+    let tunable = Tunable::new(&start, &args.parameters).map_err(Failure::of_flag)?;
     at_least("--range", args.range, 1.0, true)?;
     if args.plants == 0 || args.plants > 100_000 {
         return Err(Failure::Input(format!("--plants is {}; allowed: 1 to 100000", args.plants)));
@@ -39,7 +43,11 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
     if args.rounds == 0 || args.rounds > 1_000 {
         return Err(Failure::Input(format!("--rounds is {}; allowed: 1 to 1000", args.rounds)));
     }
-    let limits = args.at_most.iter().map(|text| Limit::parse(text)).collect::<Outcome<Vec<_>>>()?;
+    let limits = args
+        .at_most
+        .iter()
+        .map(|text| Limit::parse(text).map_err(Failure::of_flag))
+        .collect::<Outcome<Vec<_>>>()?;
     let seed = args.common.seed;
     let trial = Trial::new(&named.rig, args.plants, seed, robust::allowance(&named.name, &named.rig));
     let plan = Plan { setup: request.setup, rounds: args.rounds, range: args.range, seed };
@@ -48,7 +56,7 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
         named.name, named.rig, args.plants, args.at_most
     );
     let fresh = |identity| Search::new(identity, plan.start(tunable.names().len()));
-    let mut search = args.checkpoint.resume_or(identity, fresh)?;
+    let mut search = args.checkpoint.resume_or(identity, Search::resume, fresh)?;
     let end = drive(args, request, &Robust::new(&trial, &tunable).within(&limits), &mut search)?;
     let best = search.best().expect("the start is evaluated first");
     let found = tunable.controller(&best.position);
@@ -88,7 +96,7 @@ pub(super) fn run(args: &Args, request: &Request) -> Outcome<()> {
 /// The controller that the search starts from: a gains file's, or a design of the catalogue.
 fn start(args: &Args, named: &NamedRig) -> Outcome<ControllerSettings<f64>> {
     if let Some(path) = &args.start {
-        return Ok(GainsFile::load(path)?.controller);
+        return Ok(files::gains("--start", path)?.controller);
     }
     let design = known_name("controller", &args.controller, &CATALOGUE)?;
     Ok(design(&named.rig))
@@ -113,8 +121,11 @@ fn summary(
     );
     let mut table = tables::table(&["", "start", "tuned"]);
     let found = Tunable::new(found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
-    for ((name, start), found) in tunable.names().iter().zip(tunable.start()).zip(found) {
-        tables::add(&mut table, [name.clone(), format!("{start:.4}"), format!("{found:.4}")]);
+    for ((field, start), found) in tunable.fields().iter().zip(tunable.start()).zip(found) {
+        tables::add(
+            &mut table,
+            [format!("{} [{}]", field.name, field.unit), format!("{start:.4}"), format!("{found:.4}")],
+        );
     }
     let mean = |scores: &[robust::Score]| Terms::mean(scores.iter().map(robust::Score::terms));
     let (old, new) = (mean(before), mean(after));

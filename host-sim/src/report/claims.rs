@@ -4,13 +4,13 @@ use super::measure::{effort, errors, fly};
 use super::search::{Searches, objective};
 use super::{Entry, Picture, Section, Verdict, entry};
 use crate::error::Outcome;
-use crate::flight::{Flight, Row};
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::plot::{Figure, Line, Panel, Stroke};
 use rayon::prelude::*;
 use twinrotor::gains::{self, AxisGains, Gains};
 use twinrotor::plant::presets::PAPER;
+use twinrotor_plot::{Figure, Line, Panel, Stroke};
+use twinrotor_sim::flight::{Flight, Row};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
 
 /// Every claim in words.
 pub(super) fn claims(searches: &Searches, seed: u64) -> Outcome<Section> {
@@ -75,7 +75,7 @@ fn clamped(file: &GainsFile) -> Outcome<[usize; 3]> {
         r.volts.main.abs() >= 0.999 * limit.main || r.volts.tail.abs() >= 0.999 * limit.tail
     };
     let slowest = gains.to_paper_order().into_iter().fold(f64::INFINITY, f64::min);
-    let promised = libm::exp(-2.0 * slowest * crate::scenario::SAMPLE_TIME);
+    let promised = libm::exp(-2.0 * slowest * twinrotor_sim::scenario::SAMPLE_TIME);
     let ticks: Vec<usize> = (0..m.len() - 1).filter(|k| at_limit(&flown.rows[*k])).collect();
     let count = |of: &dyn Fn(usize) -> bool| ticks.iter().filter(|k| of(**k)).count();
     let rises = count(&|k| m[k + 1] > m[k] * (1.0 + 1e-6));
@@ -88,7 +88,8 @@ fn lyapunov(searches: &Searches) -> Outcome<Entry> {
     let [paper, tuned] = [clamped(&GainsFile::paper())?, clamped(&searches.tuned[0])?];
     let told = |name: &str, [ticks, rises, slower]: [usize; 3]| {
         format!(
-            "{name}: in {ticks} ticks with a motor at its limit the function of eq. (18) rises in {rises} and falls slower than the theorem says in {slower}"
+            "{name}: in {ticks} ticks with a motor at its limit the function of eq. (18) rises in {rises} \
+             and falls slower than the theorem says in {slower}"
         )
     };
     let holds = |[_, rises, slower]: [usize; 3]| rises == 0 && slower == 0;
@@ -102,8 +103,8 @@ fn lyapunov(searches: &Searches) -> Outcome<Entry> {
         "by the design",
         format!("{}; {}", told("Table 4", paper), told("tuned on ISE", tuned)),
         verdict,
-        "every step here is stable, but not by this theorem: eqs (24)-(27) take the law's torque for the motors', and clamped motors do not \
-         give it",
+        "every step here is stable, but not by this theorem: eqs (24)-(27) take the law's torque for the \
+         motors', and clamped motors do not give it",
     ))
 }
 
@@ -143,7 +144,8 @@ fn trade_off(searches: &Searches) -> Outcome<(Entry, Picture)> {
         "a better trade-off between transient and effort than fixed gains",
         "better",
         format!(
-            "Table 4 is beaten in both error and effort by {beaten} of 47 controllers whose four gains are simply alike"
+            "Table 4 is beaten in both error and effort by {beaten} of 47 controllers whose four gains are \
+             simply alike"
         ),
         Verdict::of(beaten == 0),
         "Table 4 is a set of fixed gains like any other",
@@ -200,7 +202,8 @@ pub(super) fn contradictions() -> Section {
         ),
         (
             "machine",
-            "inertias, mass and k_yy are an Aero's, whose centre of mass lies below the pivot (gravity as sin θ)",
+            "inertias, mass and k_yy are an Aero's, whose centre of mass lies below the pivot (gravity as \
+             sin θ)",
             "gravity as m g L cos θ is the older 2-DOF Helicopter's",
             "as printed; presets 'aero' and 'heli' are the machines",
         ),

@@ -2,8 +2,8 @@
 
 use super::{Entry, Picture, Report, Section, Verdict};
 use crate::error::Outcome;
-use crate::plot::{COLOURS, GRID, Layout, SOFT};
 use std::fmt::Write;
+use twinrotor_plot::{COLOURS, Colour, GRID, Layout, SOFT};
 
 const STYLE: &str = include_str!("style.css");
 
@@ -13,7 +13,7 @@ fn escaped(text: &str) -> String {
 
 /// A drawing in the colours of the page, which are other ones in the dark.
 fn themed(svg: &str) -> String {
-    let hex = |c: &plotters::style::RGBColor| format!("\"#{:02X}{:02X}{:02X}\"", c.0, c.1, c.2);
+    let hex = |c: &Colour| format!("\"#{:02X}{:02X}{:02X}\"", c.0, c.1, c.2);
     let fixed = [
         ("\"#FFFFFF\"".to_owned(), "paper".to_owned()),
         ("\"#000000\"".to_owned(), "ink".to_owned()),
@@ -93,19 +93,23 @@ impl Report {
     /// As one self-contained page.
     pub fn to_html(&self) -> Outcome<String> {
         let mut text = format!(
-            "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width,initial-scale=1\">\
-             <meta name=color-scheme content=\"light dark\"><title>The paper, reproduced</title><style>{STYLE}</style>\n\
+            "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport \
+             content=\"width=device-width,initial-scale=1\">\
+             <meta name=color-scheme content=\"light dark\"><title>The paper, \
+             reproduced</title><style>{STYLE}</style>\n\
              <h1>Backstepping control of Quanser's 2-DOF Helicopter, reproduced</h1>\n\
-             <p class=soft>Every table, figure and claim of “Backstepping control of Quanser's 2-DOF Helicopter under disturbance and \
-             actuator saturation based on Flower Pollination Algorithm”, in its order, beside what Twinrotor {} gets. All numbers here \
-             were computed in one run, from {} seeds.</p>\n",
+             <p class=soft>Every table, figure and claim of “Backstepping control of Quanser's 2-DOF \
+             Helicopter under disturbance and actuator saturation based on Flower Pollination Algorithm”, in \
+             its order, beside what Twinrotor {} gets. All numbers here were computed in one run, from {} \
+             seeds.</p>\n",
             env!("CARGO_PKG_VERSION"),
             self.size.seeds
         );
         let [reproduced, ambiguous, not, given] = self.tally();
         let _ = writeln!(
             text,
-            "<div class=tally><span class=r>{reproduced} reproduced</span><span class=w>{ambiguous} within ambiguity</span>\
+            "<div class=tally><span class=r>{reproduced} reproduced</span><span class=w>{ambiguous} within \
+             ambiguity</span>\
              <span class=n>{not} not reproduced</span><span class=g>{given} given</span></div><nav>"
         );
         for (k, s) in self.sections.iter().enumerate() {

@@ -1,15 +1,16 @@
 //! Flights for the report, and what is read off them.
 
 use crate::error::Outcome;
-use crate::flight::{self, Fidelity, Flight, Plan, Row, Scalar};
-use crate::gains_file::GainsFile;
-use crate::scenario::Scenario;
+use crate::files;
 use twinrotor::axes::PerAxis;
 use twinrotor::plant::presets::Rig;
+use twinrotor_sim::flight::{self, Fidelity, Flight, Plan, Row, Scalar};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::Scenario;
 
 /// A scenario of the paper's by name, flown from rest in the paper's world.
 pub(super) fn fly(rig: &Rig, gains: &GainsFile, scenario: &str, seed: u64) -> Outcome<Flight> {
-    fly_in(rig, rig, gains, &Scenario::load(scenario)?, Fidelity::Ideal, seed)
+    fly_in(rig, rig, gains, &files::scenario(scenario)?, Fidelity::Ideal, seed)
 }
 
 /// A controller made for `believed`, on `rig`.
@@ -23,7 +24,7 @@ pub(super) fn fly_in(
 ) -> Outcome<Flight> {
     let settings = gains.settings(believed);
     let plan = Plan { rig, settings: &settings, scenario, initial: PerAxis::both(0.0), fidelity, seed };
-    flight::fly(&plan, Scalar::F32)
+    Ok(flight::fly(&plan, Scalar::F32)?)
 }
 
 /// Reference minus angle \[rad\].
@@ -53,7 +54,7 @@ pub(super) fn peak_deg(flight: &Flight, [from, to]: [f64; 2], of: fn(PerAxis<f64
 /// \[V² s\] ∫ of both motors' squared volts: what the electricity costs.
 pub(super) fn effort(flight: &Flight) -> f64 {
     let squares = flight.rows.iter().map(|r| r.volts.main.powi(2) + r.volts.tail.powi(2));
-    squares.sum::<f64>() * crate::scenario::SAMPLE_TIME
+    squares.sum::<f64>() * twinrotor_sim::scenario::SAMPLE_TIME
 }
 
 pub(super) fn pitch(v: PerAxis<f64>) -> f64 {

@@ -8,11 +8,11 @@ mod search;
 mod tables;
 
 use crate::error::{Failure, Outcome};
-use crate::output;
-use crate::plot::Figure;
+use crate::files::output;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
+use twinrotor_plot::Figure;
 
 /// How a statement of the paper stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

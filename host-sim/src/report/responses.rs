@@ -4,18 +4,20 @@ use super::measure::{errors, fly, fly_in, peak_deg, pitch, rms_deg, settled, yaw
 use super::{Picture, Section, Size, Verdict, entry};
 use crate::error::Outcome;
 use crate::figures;
-use crate::flight::{Fidelity, Flight};
-use crate::gains_file::GainsFile;
-use crate::plot::Figure;
-use crate::robust;
-use crate::scenario::Scenario;
+use crate::files;
 use rayon::prelude::*;
 use twinrotor::plant::presets::{self, PAPER, Rig};
+use twinrotor_plot::Figure;
+use twinrotor_plot::flight::flight as flight_figure;
+use twinrotor_sim::flight::{Fidelity, Flight};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::robust;
 
 /// \[rad\] The step of section 5.
 const STEP: [f64; 2] = [15.0 * core::f64::consts::PI / 180.0, 40.0 * core::f64::consts::PI / 180.0];
 
-/// The panels of a flight that `wanted` names by their place in [`figures::flight`].
+/// The panels of a flight that `wanted` names by their place in [`flight_figure`].
 fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure {
     // Jumps come at whole seconds: what is left out is smooth.
     let thin = if until > 10.0 { 10 } else { 1 };
@@ -23,7 +25,7 @@ fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure 
         rows: flight.rows.iter().copied().step_by(thin).filter(|r| r.time <= until).collect(),
         report: flight.report,
     };
-    let whole = figures::flight(title, &shown, PAPER.volts_limit);
+    let whole = flight_figure(title, &shown, PAPER.volts_limit);
     Figure { panels: wanted.iter().map(|k| whole.panels[*k].clone()).collect(), ..whole }
 }
 
@@ -77,7 +79,8 @@ fn table_5(flown: &Flight) -> Section {
             Verdict::of(
                 overshoot(report.pitch.overshoot_percent).max(overshoot(report.yaw.overshoot_percent)) < 0.05,
             ),
-            "not the search's merit: with gains of 1 and more the closed loop is damped by .7 or better, whatever they are",
+            "not the search's merit: with gains of 1 and more the closed loop is damped by .7 or better, \
+             whatever they are",
         ),
         entry(
             "steady error, pitch",
@@ -104,7 +107,9 @@ fn table_5(flown: &Flight) -> Section {
     ];
     Section {
         title: "Table 5 and Fig. 4a: the step".to_owned(),
-        text: "15° of pitch and 40° of yaw from rest, Table 4's gains, Table 3's constants, ±24 V, held for 1 ms.".to_owned(),
+        text: "15° of pitch and 40° of yaw from rest, Table 4's gains, Table 3's constants, ±24 V, held for \
+            1 ms."
+            .to_owned(),
         entries,
         pictures: vec![picture(
             "fig-4a-responses",
@@ -148,7 +153,8 @@ fn fig_5(flown: &Flight) -> Outcome<Section> {
             } else {
                 Verdict::NotReproduced
             },
-            "Table 3 does not give it, ten to twenty times less k_pp does: .022 is probably a misprint of the manufacturer's .0011",
+            "Table 3 does not give it, ten to twenty times less k_pp does: .022 is probably a misprint of \
+             the manufacturer's .0011",
         ),
         entry(
             "both errors are about 0° after 0.8 s",
@@ -235,8 +241,8 @@ fn fig_7() -> Outcome<Section> {
                 "small, gone in 10 to 20 ms",
                 format!("{ours:.1e}° with Table 3; {real:.2}° with the manufacturer's constants"),
                 Verdict::of(ours > 0.01),
-                "the law cancels the coupling and no motor reaches its limit; with the manufacturer's thrust gains one does, and then \
-                 the deviation lasts a second",
+                "the law cancels the coupling and no motor reaches its limit; with the manufacturer's thrust \
+                 gains one does, and then the deviation lasts a second",
             ),
             entry(
                 "instants of the jumps",
@@ -259,8 +265,8 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
     let square = fly(&PAPER, &GainsFile::paper(), "3-square", seed)?;
     let rms = |range| (rms_deg(&constant, range, pitch), rms_deg(&constant, range, yaw));
     let (during, after) = (rms([3.0, 20.0]), rms([25.0, 41.0]));
-    let scenario = Scenario::load("3")?;
-    let disturbance = scenario.disturbance.unwrap_or(crate::scenario::Disturbance {
+    let scenario = files::scenario("3")?;
+    let disturbance = scenario.disturbance.unwrap_or(twinrotor_sim::scenario::Disturbance {
         volts: 0.0,
         hold: 0.0,
         window: [0.0; 2],
@@ -268,8 +274,8 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
     Ok(Section {
         title: "Figs 8 and 9: scenario 3, disturbed".to_owned(),
         text: format!(
-            "Scenario 1 with random volts on both motors for 20 s. The paper gives neither their size nor how long each value holds, and \
-             the errors grow with both; here ±{} V, {} s.",
+            "Scenario 1 with random volts on both motors for 20 s. The paper gives neither their size nor \
+             how long each value holds, and the errors grow with both; here ±{} V, {} s.",
             disturbance.volts, disturbance.hold
         ),
         entries: vec![
@@ -278,8 +284,8 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
                 "stable",
                 format!("RMS error {:.3}° of pitch, {:.3}° of yaw from 3 to 20 s", during.0, during.1),
                 Verdict::of(during.0 < 5.0 && during.1 < 5.0),
-                "nothing in the law rejects a disturbance: it has no integral and no observer; the loop's stiffness holds the error \
-                 down",
+                "nothing in the law rejects a disturbance: it has no integral and no observer; the loop's \
+                 stiffness holds the error down",
             ),
             entry(
                 "they return when it ends at 20 s",
@@ -331,7 +337,7 @@ fn disturbances(flown: &Flight) -> Figure {
 /// What the paper leaves out: many plants, in the rig's world.
 pub(super) fn fan(size: Size, seed: u64) -> Outcome<Section> {
     let draws = robust::draw(&PAPER, size.fan, seed);
-    let mut step = Scenario::load("step")?;
+    let mut step = Scenario::named("step")?;
     step.duration = 3.0;
     let fly_one = |draw: &robust::Draw| {
         let rig = Rig { plant: draw.plant, ..PAPER };
@@ -348,15 +354,16 @@ pub(super) fn fan(size: Size, seed: u64) -> Outcome<Section> {
     Ok(Section {
         title: "Beyond the paper: a fan over plants".to_owned(),
         text: format!(
-            "Table 4's gains on {} plants around Table 3 (inertias, dampings and thrust gains ±30 %, rotor lag .05 s ±70 %), with encoder \
-             counts, estimated rates and a tick of delay.",
+            "Table 4's gains on {} plants around Table 3 (inertias, dampings and thrust gains ±30 %, rotor \
+             lag .05 s ±70 %), with encoder counts, estimated rates and a tick of delay.",
             size.fan
         ),
         entries: vec![entry(
             "robustness to modelling uncertainty",
             "claimed, not tested",
             format!(
-                "{count} of {} settle within 5 % in 3 s; overshoot up to {over_pitch:.1} % of pitch, {over_yaw:.1} % of yaw",
+                "{count} of {} settle within 5 % in 3 s; overshoot up to {over_pitch:.1} % of pitch, \
+                 {over_yaw:.1} % of yaw",
                 size.fan
             ),
             Verdict::of(count == size.fan),

@@ -3,18 +3,18 @@
 use super::{Entry, Picture, Section, Size, Verdict, entry};
 use crate::error::{Failure, Outcome};
 use crate::figures;
-use crate::flight::Fidelity;
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::objective::Objective;
-use crate::optimise::{ALGORITHMS, Algorithm, Bounds, Candidate, Draws, Optimiser, Setup, Variant};
-use crate::peers::{Peer, best_known, standings};
-use crate::plot::{Figure, Line, Panel, Stroke};
-use crate::scenario::Scenario;
-use crate::tuner::Problem;
 use rayon::prelude::*;
 use twinrotor::gains;
 use twinrotor::plant::presets::PAPER;
+use twinrotor_plot::{Figure, Line, Panel, Stroke};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::contest::{Peer, best_known, standings};
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::{ALGORITHMS, Algorithm, Bounds, Candidate, Draws, Optimiser, Setup, Variant};
+use twinrotor_tune::search::Problem;
 
 /// What the searches found.
 #[derive(Debug)]
@@ -31,11 +31,11 @@ pub(super) struct Searches {
 }
 
 pub(super) fn objective(criterion: Criterion) -> Outcome<Objective> {
-    Ok(Objective::new(criterion, &PAPER, &Scenario::load("step")?, Fidelity::Ideal, 1))
+    Ok(Objective::new(criterion, &PAPER, &Scenario::named("step")?, Fidelity::Ideal, 1))
 }
 
 fn bounds() -> Outcome<Bounds> {
-    Bounds::new(vec![gains::PAPER_BOUNDS; 4]).map_err(Failure::Input)
+    Ok(Bounds::new(vec![gains::PAPER_BOUNDS; 4])?)
 }
 
 /// The budget of Table 2.
@@ -50,7 +50,7 @@ pub(super) fn searches(size: Size, seed: u64) -> Outcome<Searches> {
         Peer::search(name, &setup, &bounds, seed..seed + size.seeds, &ise, &|_| true)
     };
     let peers = ALGORITHMS.par_iter().map(peer).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)?;
-    let tune = |criterion| {
+    let tune = |criterion| -> Outcome<GainsFile> {
         let problem = objective(criterion)?;
         let peer = Peer::search("fpa-paper", &TABLE_2, &bounds, seed..seed + 1, &problem, &|_| true);
         Ok(Objective::controller(&peer.ok_or(Failure::Interrupted)?.best().position))
@@ -72,13 +72,14 @@ pub(super) fn table_1(searches: &Searches) -> Section {
     };
     let cheapest = ["ga", "pso", "gwo"].map(needed).into_iter().fold(f64::INFINITY, f64::min);
     let ours = needed("fpa-paper");
-    let row = |s: &crate::peers::Standing| {
+    let row = |s: &twinrotor_tune::contest::Standing| {
         let count = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.0}"));
         entry(
             &s.name,
             "–",
             format!(
-                "median ISE {:.6}, best {:.6}, worst {:.6}; to within 1 % after {} evaluations, .1 % after {}",
+                "median ISE {:.6}, best {:.6}, worst {:.6}; to within 1 % after {} evaluations, .1 % after \
+                 {}",
                 s.median,
                 s.best,
                 s.worst,
@@ -95,7 +96,8 @@ pub(super) fn table_1(searches: &Searches) -> Section {
             "GA, PSO, GWO: high computational cost",
             "high, against FPA",
             format!(
-                "within 1 % of the optimum: FPA after {ours:.0} evaluations, the cheapest of the three after {cheapest:.0}"
+                "within 1 % of the optimum: FPA after {ours:.0} evaluations, the cheapest of the three after \
+                 {cheapest:.0}"
             ),
             Verdict::of(ours * 2.0 < cheapest),
             "an evaluation costs the same whoever asks for it",
@@ -123,7 +125,8 @@ pub(super) fn table_1(searches: &Searches) -> Section {
     Section {
         title: "Table 1: methods".to_owned(),
         text: format!(
-            "The table compares by words. Here every method searches the paper's problem, {} evaluations from {} seeds.",
+            "The table compares by words. Here every method searches the paper's problem, {} evaluations \
+             from {} seeds.",
             size.evaluations, size.seeds
         ),
         entries: claims.into_iter().chain(standings.iter().map(row)).collect(),
@@ -171,8 +174,8 @@ fn scatter(peers: &[Peer]) -> Picture {
     };
     Picture {
         name: "gains".to_owned(),
-        caption: "Where the searches end, one dot a seed: at the bounds, far from Table 4. A pair of gains can be exchanged (the law \
-                  is symmetric), so each optimum is there twice."
+        caption: "Where the searches end, one dot a seed: at the bounds, far from Table 4. A pair of gains \
+            can be exchanged (the law is symmetric), so each optimum is there twice."
             .to_owned(),
         figure: Figure {
             title: "Gains found for ISE".to_owned(),
@@ -233,13 +236,13 @@ pub(super) fn table_2(searches: &Searches, seed: u64) -> Outcome<Section> {
         "monotonic",
         format!("the best cost never rises; the mean of the flowers does in {rises} of 30 generations"),
         Verdict::WithinAmbiguity,
-        "true of the best by definition, whatever the method; Fig. 4 replaces flowers whatever their cost, though the text says \
-         greedily",
+        "true of the best by definition, whatever the method; Fig. 4 replaces flowers whatever their cost, \
+         though the text says greedily",
     );
     let found = searches.peers[0].best();
     let text = format!(
-        "N, T, p and c as printed; where the paper is silent: Lévy exponent 1.5, j and k different flowers, coordinates beyond a bound \
-         on the bound. Lowest ISE of {} seeds at {} evaluations: {:.7}.",
+        "N, T, p and c as printed; where the paper is silent: Lévy exponent 1.5, j and k different flowers, \
+         coordinates beyond a bound on the bound. Lowest ISE of {} seeds at {} evaluations: {:.7}.",
         searches.size.seeds, searches.size.evaluations, found.cost
     );
     Ok(Section {

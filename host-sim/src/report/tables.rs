@@ -3,17 +3,19 @@
 use super::measure::fly;
 use super::search::{Searches, objective};
 use super::{Section, Size, Verdict, entry};
-use crate::error::{Outcome, known_name};
-use crate::gains_file::GainsFile;
-use crate::metrics::Criterion;
-use crate::optimise::{Algorithm, Setup, Variant};
-use crate::rig::NamedRig;
-use crate::robust::{self, CATALOGUE, Plan, Robust, Row, Score, Trial};
-use crate::tunable::Tunable;
-use crate::tuner::{Conduct, Search};
+use crate::error::Outcome;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::gains::{self, NAMES};
 use twinrotor::plant::presets::{AERO, PAPER};
+use twinrotor_sim::error::known_name;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::optimise::{Algorithm, Setup, Variant};
+use twinrotor_tune::robust::{self, Plan, Robust, Row, Score, Trial};
+use twinrotor_tune::search::Search;
+use twinrotor_tune::tunable::Tunable;
 
 /// Constants, taken as printed.
 pub(super) fn table_3() -> Outcome<Section> {
@@ -88,10 +90,14 @@ pub(super) fn table_4(searches: &Searches) -> Outcome<Section> {
     entries.push(entry(
         "Table 4 minimises ISE",
         "found by FPA",
-        format!("ISE {:.6} with Table 4, {cost:.6} with ours: Table 4 is {above:.0} % above the best known", searches.paper),
+        format!(
+            "ISE {:.6} with Table 4, {cost:.6} with ours: Table 4 is {above:.0} % above the best \
+            known",
+            searches.paper
+        ),
         Verdict::of(above < 1.0),
-        "with the paper's model, objective, bounds and algorithm Table 4 cannot come out: something else was minimised, or the gains \
-         were chosen",
+        "with the paper's model, objective, bounds and algorithm Table 4 cannot come out: something else was \
+         minimised, or the gains were chosen",
     ));
     Ok(Section {
         title: "Table 4: gains".to_owned(),
@@ -120,7 +126,7 @@ fn tuned(design: &str, size: Size, trial: &Trial, seed: u64) -> Outcome<Controll
     };
     let plan = Plan { setup, rounds: 1, range: 4.0, seed };
     let mut search = Search::new(String::new(), plan.start(tunable.names().len()));
-    search.run(&Robust::new(trial, &tunable), &Conduct::to_the_end())?;
+    search.to_the_end(&Robust::new(trial, &tunable));
     let best = search.best().expect("the start is evaluated first");
     Ok(tunable.controller(&best.position))
 }
@@ -131,8 +137,9 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
     let allowance = robust::allowance(&named.name, &named.rig);
     let training = Trial::new(&PAPER, 16, seed, allowance);
     let unseen = Trial::new(&PAPER, size.plants, 1_000_000 + seed, allowance);
-    let rival =
-        |name, words, design| Ok(Rival { name, words, controller: tuned(design, size, &training, seed)? });
+    let rival = |name, words, design| {
+        Outcome::Ok(Rival { name, words, controller: tuned(design, size, &training, seed)? })
+    };
     let list: Vec<Rival> = vec![
         Rival {
             name: "Proposed: backstepping + FPA, Table 4",
@@ -155,8 +162,8 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
                 rival.name,
                 rival.words,
                 format!(
-                    "J {:.2}; settling {:.2} / {:.2} s; overshoot (95 %) {:.0} / {:.0} %; error under a constant disturbance {:.2}° / {:.2}°; \
-                     beyond a limit for {:.2} s; {} of {} fail",
+                    "J {:.2}; settling {:.2} / {:.2} s; overshoot (95 %) {:.0} / {:.0} %; error under a \
+                     constant disturbance {:.2}° / {:.2}°; beyond a limit for {:.2} s; {} of {} fail",
                     r.total,
                     r.settling_time_2.pitch,
                     r.settling_time_2.yaw,
@@ -205,9 +212,10 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
     Ok(Section {
         title: "Table 6: comparison, measured".to_owned(),
         text: format!(
-            "The paper's table is words. Here all fly the step in the rig's world (rotor lag, encoders, delay) on {} plants that none was \
-             tuned on, a constant disturbance of up to 2 V setting in at {allowance} s; those tuned here had {} evaluations by Fig. 4 on 16 \
-             other plants. J is the robust objective, lower is better.",
+            "The paper's table is words. Here all fly the step in the rig's world (rotor lag, encoders, \
+             delay) on {} plants that none was tuned on, a constant disturbance of up to 2 V setting in at \
+             {allowance} s; those tuned here had {} evaluations by Fig. 4 on 16 other plants. J is the \
+             robust objective, lower is better.",
             size.plants, size.tuning
         ),
         entries,

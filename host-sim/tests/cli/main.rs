@@ -25,7 +25,8 @@ const SMALL: [&str; 4] = ["--population", "12", "--iterations", "3"];
 fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let gains = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
-    let good = "controller = \"backstepping\"\n[pitch]\nposition = 4.2\nrate = 24.6\n[yaw]\nposition = 2.28\nrate = 10.8\n";
+    let good = "controller = \"backstepping\"\n[pitch]\nposition = 4.2\nrate = 24.6\n[yaw]\nposition = \
+        2.28\nrate = 10.8\n";
     gains("missing.toml", &good.replace("rate = 10.8\n", ""));
     gains("misspelt.toml", &good.replace("rate = 10.8", "rat = 10.8"));
     gains("negative.toml", &good.replace("10.8", "-10.8"));
@@ -180,9 +181,10 @@ fn simulate_writes_a_row_a_tick_and_a_picture() {
 #[test]
 fn a_preset_and_a_scenario_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
-    let rig = host_sim::rig::to_toml(&twinrotor::plant::presets::AERO2);
+    let rig = twinrotor_sim::rig::to_toml(&twinrotor::plant::presets::AERO2);
     fs::write(folder.path().join("mine.toml"), rig).unwrap();
-    let scenario = "duration = 2.0\n[pitch.steps]\njumps = [[0.5, 5.0]]\n[yaw.sine]\namplitude_deg = 10.0\nfrequency = 1.0\n";
+    let scenario = "duration = 2.0\n[pitch.steps]\njumps = [[0.5, 5.0]]\n[yaw.sine]\namplitude_deg = \
+        10.0\nfrequency = 1.0\n";
     fs::write(folder.path().join("gentle.toml"), scenario).unwrap();
     let told = json(
         folder.path(),

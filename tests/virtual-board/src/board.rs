@@ -11,7 +11,7 @@ use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
 use crate::chip::timer::{Drive, Side, Timer};
-use crate::chip::{INTERRUPT_LINES, Stm32f405};
+use crate::chip::{INTERRUPT_LINES, Settings, Stm32f405};
 use crate::serial::Line;
 use crate::warm_core::WarmCore;
 use crate::wiring::{self, Amplifiers, Encoder, Leg, Wire};
@@ -109,19 +109,20 @@ pub struct Board {
 impl Store for Board {}
 
 impl Board {
-    /// A board out of power-on; `seed` decides what chance decides. Without `protects_memory` the core's
-    /// memory protection unit takes no effect, which a firmware that never violates it cannot tell, and the
-    /// emulator runs twice as fast.
+    /// A board out of power-on; `seed` decides what chance decides, `settings` the rest. Without
+    /// `protects_memory` the core's memory protection unit takes no effect, which a firmware that never
+    /// violates it cannot tell, and the emulator runs twice as fast.
     ///
     /// # Errors
     ///
     /// If the part's description contradicts itself.
     pub fn new(
         seed: u64,
+        settings: Settings,
         amplifiers: Amplifiers,
         protects_memory: bool,
     ) -> Result<Self, rigless::soc::Error> {
-        let mut chip = Stm32f405::new(seed)?;
+        let mut chip = Stm32f405::new(seed, settings)?;
         let (port, _) = wiring::SERIAL;
         chip.serial(port).attach(Line::default());
         Ok(Self {
@@ -142,8 +143,7 @@ impl Board {
     /// The host's end of the serial line.
     pub fn line(&mut self) -> &mut Line {
         let (port, _) = wiring::SERIAL;
-        let far = self.chip.serial(port).chip_mut::<Line>();
-        far.expect("attached when the board was made")
+        self.chip.serial(port).line().expect("attached when the board was made")
     }
 
     /// What the rig puts on the connectors from `at` on.
@@ -196,7 +196,7 @@ impl Board {
     fn connect_line(&mut self) {
         let (port, pins) = wiring::SERIAL;
         self.speaks = pins.into_iter().all(|pin| self.connected(pin));
-        let _ = self.chip.serial(port).silence(!self.speaks);
+        self.chip.serial(port).silence(!self.speaks);
     }
 
     /// What the board puts on its connectors at `at`.

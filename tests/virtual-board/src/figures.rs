@@ -155,7 +155,8 @@ impl Figures {
         for ((name, value), kept) in self.columns().into_iter().zip(kept) {
             if value * 100 > kept * (100 + GROWTH_PERCENT) {
                 return Err(format!(
-                    "{name} has grown from {kept} to {value}, allowed are {GROWTH_PERCENT} %; the line would be: {mine}"
+                    "{name} has grown from {kept} to {value}, allowed are {GROWTH_PERCENT} %; the line would \
+                     be: {mine}"
                 ));
             }
         }
@@ -179,7 +180,8 @@ impl fmt::Display for InFlight {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             to,
-            "a tick takes {} to {} instructions, {} by the median; the core idles {:.1} %; {} of {} bytes of stack used",
+            "a tick takes {} to {} instructions, {} by the median; the core idles {:.1} %; {} of {} bytes of \
+             stack used",
             self.tick_min,
             self.tick_max,
             self.tick_median,

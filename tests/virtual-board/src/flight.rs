@@ -1,12 +1,7 @@
 //! A scenario flown on the board by an operator's hand, and what the board's telemetry said of it.
 
-use host_sim::closed_loop::Tick;
-use host_sim::flight::{Flight, Row};
-use host_sim::metrics::Metrics;
-use host_sim::scenario::Scenario;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
@@ -16,6 +11,10 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
+use twinrotor_sim::closed_loop::Tick;
+use twinrotor_sim::flight::{Flight, Row};
+use twinrotor_sim::metrics::Metrics;
+use twinrotor_sim::scenario::Scenario;
 
 use crate::helicopter::Helicopter;
 use crate::machine::Failure;
@@ -48,7 +47,7 @@ pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<
     }
     // Refused for as long as the rig still swings.
     for _ in 0..PATIENCE / 500 {
-        station.send(&ToBoard::Control(OperatorCommand::Zero));
+        station.send(&ToBoard::Zero);
         wait(station, 500, told)?;
         if !station.heard.conditions().contains(&Condition::NotZeroed) {
             break;
@@ -113,7 +112,7 @@ pub fn fly(
             stay(station, std::mem::take(&mut left), told)?;
         }
         if reference != sent {
-            station.send(&ToBoard::Control(OperatorCommand::Setpoint(reference)));
+            station.send(&ToBoard::Setpoint(reference));
             sent = reference;
         }
         if disturbance != blown {

@@ -6,14 +6,6 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use host_sim::cli::tables;
-use host_sim::error::{Failure, Outcome};
-use host_sim::flight::Flight;
-use host_sim::gains_file::GainsFile;
-use host_sim::log::{Columns, Log};
-use host_sim::metrics::Report;
-use host_sim::scenario::Scenario;
-use host_sim::{figures, flash, plot, replay, rig};
 use serde::Serialize;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::link::ToBoard;
@@ -22,6 +14,16 @@ use twinrotor::parameters::ram_flash::AREA_SIZE;
 use twinrotor::plant::presets::Rig;
 use twinrotor::supervisor::ArmState;
 use twinrotor::telemetry::Frame;
+use twinrotor_identify::log::{Columns, Log};
+use twinrotor_identify::replay;
+use twinrotor_plot::Layout;
+use twinrotor_sim::flight::Flight;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::metrics::Report;
+use twinrotor_sim::rig;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, Outcome};
+use twinrotor_station::image;
 use virtual_board::firmware::Firmware;
 use virtual_board::flight;
 use virtual_board::helicopter::Helicopter;
@@ -104,16 +106,19 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("error: {failure}");
-            ExitCode::from(failure.exit_status())
+            ExitCode::from(if failure.is_input() { 2 } else { 1 })
         }
     }
 }
 
 fn run(args: &Args) -> Outcome<()> {
-    let named = rig::load(&args.preset)?;
-    let scenario = args.scenario.as_deref().map(Scenario::load).transpose()?;
+    let named = rig::load(&args.preset, &text)?;
+    let scenario = args.scenario.as_deref().map(|name| Scenario::load(name, &text)).transpose()?;
     if let Some(path) = &args.plot {
-        plot::check("--plot", path)?;
+        let extension = path.extension().and_then(|e| e.to_str());
+        if !matches!(extension, Some("svg" | "png")) {
+            return Err(Error::invalid("--plot", path.display(), "a name that ends in .svg or .png"));
+        }
     }
     let (amplifiers, built) = if args.sign_magnitude {
         (Amplifiers::SignMagnitude, Firmware::sign_magnitude as fn() -> _)
@@ -121,7 +126,7 @@ fn run(args: &Args) -> Outcome<()> {
         (Amplifiers::LockedAntiphase, Firmware::released as fn() -> _)
     };
     let firmware = args.elf.as_ref().map_or_else(built, |path| Firmware::read(path));
-    let firmware = firmware.map_err(Failure::input)?;
+    let firmware = firmware.map_err(|why| Error::Unusable(why.to_string()))?;
     let image = image(args, &named.rig)?;
     let setup = Setup { amplifiers, ..Setup::new(firmware) };
     let setup = setup.with_seed(args.seed).with_image(record::ADDRESS, image);
@@ -137,7 +142,7 @@ fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.replay {
         return replay_on_board(args, path, &named.rig, scenario.as_ref(), &mut station);
     }
-    let scenario = scenario.map_or_else(|| Scenario::load("step"), Ok)?;
+    let scenario = scenario.map_or_else(|| Scenario::named("step"), Ok)?;
     flight::take_off(&mut station, &mut told).map_err(failed)?;
     let (before, executed) = station.machine.now();
     let off = Instant::now();
@@ -154,12 +159,15 @@ fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.plot {
         let title =
             format!("{}, scenario {}, {} gains, on the virtual board", named.name, scenario.name, args.gains);
-        figures::flight(&title, &flown, named.rig.volts_limit).write(path)?;
+        draw(&title, &flown, &named.rig, path)?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&document).map_err(Failure::input)?);
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?
+        );
     } else {
-        print!("{}", tables::report(&document.report));
+        print!("{}", document.report);
         println!(
             "firmware {} on {}: {} frames of telemetry, {} dropped; {} of {} bytes of stack used\n\
              a tick takes {} instructions by the median, {} at most; the core sleeps {:.1} % of the time\n\
@@ -190,7 +198,7 @@ fn document<'a>(
     let mut ticks: Vec<u64> = station.machine.trace().1.iter().map(|tick| tick.instructions).collect();
     ticks.sort_unstable();
     let heard = &station.heard;
-    let silent = || Failure::Run("the board did not say who it is, or how".to_owned());
+    let silent = || Error::Failed("the board did not say who it is, or how".to_owned());
     let identity = heard.identities.last().ok_or_else(silent)?;
     let health = heard.health.last().ok_or_else(silent)?;
     Ok(Document {
@@ -221,42 +229,64 @@ fn replay_on_board(
     scenario: Option<&Scenario>,
     station: &mut Station,
 ) -> Outcome<()> {
-    let log = Log::load(path, &Columns::parse(&args.columns).map_err(Failure::Input)?)?;
+    let log = read(path, &Columns::parse(&args.columns)?)?;
     let samples = replay::samples(&log, rig, scenario);
     station.try_run(BOOT).map_err(failed)?;
     station.send(&ToBoard::ReadParameters);
     station.try_run(BOOT).map_err(failed)?;
-    let silent = || Failure::Run("the board does not say its parameters".to_owned());
+    let silent = || Error::Failed("the board does not say its parameters".to_owned());
     let parameters = station.heard.parameters.pop().ok_or_else(silent)?;
     let there = station.replay(&samples).map_err(failed)?;
     let here = replay::replay(&parameters, &samples);
     if let Some((here, there)) = here.iter().zip(&there).find(|(here, there)| !here.same_bits(there)) {
-        return Err(Failure::Run(format!("on the host {here:?}, on the board {there:?}")));
+        return Err(Error::Failed(format!("on the host {here:?}, on the board {there:?}")));
     }
     println!("{}: the same bits in all {} ticks", log.name, samples.len());
     Ok(())
 }
 
-fn failed(why: virtual_board::machine::Failure) -> Failure {
-    Failure::Run(why.to_string())
+fn failed(why: virtual_board::machine::Failure) -> Error {
+    Error::Failed(why.to_string())
 }
 
 /// The parameter sectors.
 fn image(args: &Args, rig: &Rig) -> Outcome<Vec<u8>> {
     if Path::new(&args.gains).extension().is_some_and(|extension| extension == "bin") {
-        let bytes =
-            std::fs::read(&args.gains).map_err(|why| Failure::reading(Path::new(&args.gains), &why))?;
+        let bytes = std::fs::read(&args.gains).map_err(|why| unreadable(&args.gains, &why))?;
         return if bytes.len() == AREA_SIZE {
             Ok(bytes)
         } else {
             let (name, length) = (&args.gains, bytes.len());
-            Err(Failure::Input(format!(
-                "--gains {name} has {length} bytes; allowed: {AREA_SIZE}, all three sectors"
-            )))
+            let allowed = format!("{AREA_SIZE}, all three sectors");
+            Err(Error::invalid(format!("--gains {name}"), format!("{length} bytes long"), allowed))
         };
     }
-    let gains = GainsFile::load(&args.gains)?;
-    flash::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &gains.settings(rig)) })
+    let gains = GainsFile::load(&args.gains, &text)?;
+    image::image(&Parameters { checked: args.checked, ..Parameters::new(rig, &gains.settings(rig)) })
+}
+
+fn text(path: &str) -> Outcome<String> {
+    std::fs::read_to_string(path).map_err(|why| unreadable(path, &why))
+}
+
+fn unreadable(path: &str, why: &std::io::Error) -> Error {
+    Error::Unusable(format!("cannot be read: {why}")).within(path)
+}
+
+fn read(path: &Path, columns: &Columns) -> Outcome<Log> {
+    let name = path.display().to_string();
+    let file = std::fs::File::open(path).map_err(|why| unreadable(&name, &why))?;
+    Log::read(&name, file, columns)
+}
+
+fn draw(title: &str, flown: &Flight, rig: &Rig, path: &Path) -> Outcome<()> {
+    let figure = twinrotor_plot::flight::flight(title, flown, rig.volts_limit);
+    let bytes = if path.extension().is_some_and(|e| e == "png") {
+        figure.to_png()?
+    } else {
+        figure.to_svg(Layout::Wide)?.into_bytes()
+    };
+    std::fs::write(path, bytes).map_err(|why| Error::Failed(format!("{}: {why}", path.display())))
 }
 
 fn event(frame: &Frame) -> String {

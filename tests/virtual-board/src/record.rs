@@ -5,12 +5,13 @@ use twinrotor::defaults;
 use twinrotor::gains::PAPER;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::RamFlash;
-use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
+use twinrotor::parameters::store::{AREA_ADDRESS, MAX_PAYLOAD, SLOT_SIZE, Store};
+
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::{self, Rig};
 
 /// Where the parameter sectors begin.
-pub const ADDRESS: u64 = crate::chip::flash::BASE + 0x4000;
+pub const ADDRESS: u64 = AREA_ADDRESS as u64;
 /// The preset of the record that the firmware has built in, unless it was built for another.
 pub const BUILT_IN: &str = "aero2";
 
@@ -27,8 +28,7 @@ pub fn papers(rig: &Rig) -> Parameters {
 pub fn tuned(preset: &str) -> (Rig, Parameters) {
     let of = |(name, _): &(&str, _)| *name == preset;
     let (_, rig) = presets::ALL.into_iter().find(of).expect("a preset");
-    let of = |(name, _): &(&str, _)| *name == preset;
-    let (_, controller) = defaults::ALL.into_iter().find(of).expect("every preset has a controller");
+    let controller = defaults::named(preset).expect("every preset has a controller");
     (rig, checked(&rig, &Settings::new(&rig, controller, SAMPLE_TIME)))
 }
 

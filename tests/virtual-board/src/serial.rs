@@ -7,17 +7,39 @@ use rigless::chip::uart::Peer;
 use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
+/// What becomes of a word on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Flaw {
+    /// It arrives as it was sent.
+    #[default]
+    None,
+    /// With noise on it: other data bits, and `NF`.
+    Noise,
+    /// Without its stop bit: other data bits, and `FE`.
+    Framing,
+    /// It arrives as it was sent, but the DMA does not fetch it before the next has come, which is lost:
+    /// `ORE`.
+    Overrun,
+}
+
 /// The host's end of the line.
 #[derive(Debug, Default)]
 pub struct Line {
-    outgoing: VecDeque<u8>,
+    outgoing: VecDeque<(u8, Flaw)>,
     heard: Vec<u8>,
+    /// What becomes of the word that the port is taking in.
+    on_wire: Flaw,
 }
 
 impl Line {
     /// Puts bytes on the line, to cross as fast as the baud rate lets them.
     pub fn say(&mut self, bytes: &[u8]) {
-        self.outgoing.extend(bytes);
+        self.outgoing.extend(bytes.iter().map(|&byte| (byte, Flaw::None)));
+    }
+
+    /// Puts one byte on the line that arrives with `flaw`.
+    pub fn say_flawed(&mut self, byte: u8, flaw: Flaw) {
+        self.outgoing.push_back((byte, flaw));
     }
 
     /// Takes what was heard since the last call.
@@ -29,6 +51,11 @@ impl Line {
     pub fn waiting(&self) -> usize {
         self.outgoing.len()
     }
+
+    /// What becomes of the word that was put on the wire last.
+    pub fn on_wire(&self) -> Flaw {
+        self.on_wire
+    }
 }
 
 impl Store for Line {}
@@ -39,6 +66,8 @@ impl Peer for Line {
     }
 
     fn transmit(&mut self, _now: VirtualNanos) -> Option<u16> {
-        self.outgoing.pop_front().map(u16::from)
+        let (byte, flaw) = self.outgoing.pop_front()?;
+        self.on_wire = flaw;
+        Some(u16::from(byte))
     }
 }

@@ -1,40 +1,14 @@
-//! An operator's end of the link: sends commands to a board that runs, and keeps what it says.
+//! An operator with an emulated board: the station's client, whose bytes and time are the emulator's.
 
-use host_sim::board::AT_ONCE;
+use std::time::Duration;
+
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::OperatorCommand;
-use twinrotor::first_power::Verdict;
-use twinrotor::link::{self, Decoder, Health, Identity, MAX_FRAME, Refusal, ToBoard, ToHost};
-use twinrotor::parameters::Parameters;
-use twinrotor::reference::Reference;
+use twinrotor::link::ToBoard;
 use twinrotor::replay::{Replayed, Sample};
-use twinrotor::supervisor::{ArmState, Condition, Request};
-use twinrotor::telemetry::Frame;
+use twinrotor::supervisor::{ArmState, Request};
+use twinrotor_station::{Answer, Client, Event, Heard, Question};
 
 use crate::machine::{Failure, Machine};
-
-/// What the board has said.
-#[derive(Debug, Default)]
-pub struct Heard {
-    /// Every frame of telemetry.
-    pub frames: Vec<Frame>,
-    /// Every report of its health.
-    pub health: Vec<Health>,
-    /// Who it is, for each time it said so.
-    pub identities: Vec<Identity>,
-    /// Its parameters, for each time it said them.
-    pub parameters: Vec<Parameters>,
-    /// How often it said that it had saved its parameters.
-    pub saved: usize,
-    /// What its first-power checks found.
-    pub verdicts: Vec<Verdict>,
-    /// What it made of the ticks of a record.
-    pub replayed: Vec<Replayed>,
-    /// What it would not do.
-    pub refusals: Vec<Refusal>,
-    /// Messages that came damaged.
-    pub damaged: usize,
-}
 
 /// An operator with a board.
 #[derive(Debug)]
@@ -43,32 +17,50 @@ pub struct Station {
     pub machine: Machine,
     /// What it said so far.
     pub heard: Heard,
-    decoder: Decoder,
-    /// \[ms\] Since it last did.
-    silent: u64,
     /// Whether to tell the board ten times a second that somebody is there.
     pub attentive: bool,
+    client: Client,
+    /// \[ms\] That the board has run.
+    now: u64,
+    answer: Option<Result<Answer, String>>,
 }
-
-/// \[ms\] How often an attentive operator's program says that it is there.
-const ALIVE_EVERY: u64 = 100;
 
 impl Station {
     /// At `machine`, attentive.
     pub fn new(machine: Machine) -> Self {
-        Self { machine, heard: Heard::default(), decoder: Decoder::new(), silent: 0, attentive: true }
+        Self {
+            machine,
+            heard: Heard::default(),
+            attentive: true,
+            client: Client::new(),
+            now: 0,
+            answer: None,
+        }
     }
 
     /// Sends a message.
     pub fn send(&mut self, message: &ToBoard) {
-        let mut buffer = [0; MAX_FRAME];
-        let frame = link::encode(message, &mut buffer).expect("every message has room");
-        self.machine.say(frame);
+        self.client.send(message);
+        self.say();
     }
 
     /// Asks something of the supervisor.
     pub fn request(&mut self, request: Request) {
-        self.send(&ToBoard::Control(OperatorCommand::Request(request)));
+        self.client.request(request);
+        self.say();
+    }
+
+    /// Wants the helicopter at rest there, angles in rad.
+    pub fn aim(&mut self, angle: PerAxis<f32>) {
+        self.client.aim(angle);
+        self.say();
+    }
+
+    fn say(&mut self) {
+        let bytes = self.client.take_outgoing();
+        if !bytes.is_empty() {
+            self.machine.say(&bytes);
+        }
     }
 
     /// Puts a record through the board's own estimator and law.
@@ -77,27 +69,17 @@ impl Station {
     ///
     /// If the firmware reached something that is not modelled, or does not answer.
     pub fn replay(&mut self, samples: &[Sample]) -> Result<Vec<Replayed>, Failure> {
-        self.heard.replayed.clear();
-        for chunk in samples.chunks(AT_ONCE) {
-            chunk.iter().for_each(|sample| self.send(&ToBoard::Replay(*sample)));
-            let wanted = self.heard.replayed.len() + chunk.len();
-            for _ in 0..100 {
-                self.try_run(2)?;
-                if self.heard.replayed.len() >= wanted {
-                    break;
-                }
-            }
-            if self.heard.replayed.len() < wanted {
-                let heard = self.heard.replayed.len();
-                return Err(Failure(format!("after {heard} ticks of the record: {}", self.heard.summary())));
+        self.answer = None;
+        self.client.ask(Question::Replay(samples.to_vec()), Duration::from_millis(self.now));
+        self.say();
+        loop {
+            self.try_run(2)?;
+            match self.answer.take() {
+                Some(Ok(Answer::Replayed(replayed))) => return Ok(replayed),
+                Some(other) => return Err(Failure(format!("{other:?}: {}", self.heard.summary()))),
+                None => {}
             }
         }
-        Ok(std::mem::take(&mut self.heard.replayed))
-    }
-
-    /// Wants the helicopter at rest there, angles in rad.
-    pub fn aim(&mut self, angle: PerAxis<f32>) {
-        self.send(&ToBoard::Control(OperatorCommand::Setpoint(Reference::at_rest(angle))));
     }
 
     /// Lets the board run and listens.
@@ -116,18 +98,32 @@ impl Station {
     ///
     /// If the firmware reached something that is not modelled.
     pub fn try_run(&mut self, milliseconds: u64) -> Result<(), Failure> {
-        let mut left = milliseconds;
-        while left > 0 {
-            let stretch = left.min(ALIVE_EVERY - self.silent);
-            if self.attentive && self.silent == 0 {
-                self.send(&ToBoard::Alive);
-            }
-            self.silent = (self.silent + stretch) % ALIVE_EVERY;
+        let end = self.now + milliseconds;
+        while self.now < end {
+            let now = Duration::from_millis(self.now);
+            self.client.set_attentive(self.attentive);
+            let due = self.client.poll(now);
+            self.note(due);
+            self.say();
+            let due = u64::try_from(self.client.due().as_millis()).unwrap_or(u64::MAX);
+            let stretch = due.clamp(self.now + 1, end) - self.now;
             self.machine.try_run(stretch)?;
-            self.listen();
-            left -= stretch;
+            self.now += stretch;
+            let bytes = self.machine.heard();
+            let events = self.client.push(&bytes, Duration::from_millis(self.now));
+            self.note(events);
+            self.say();
         }
         Ok(())
+    }
+
+    fn note(&mut self, events: impl IntoIterator<Item = Event>) {
+        for event in events {
+            match event {
+                Event::Answered(outcome) => self.answer = Some(outcome.map_err(|e| e.to_string())),
+                heard => self.heard.note(heard),
+            }
+        }
     }
 
     /// Lets the board run until what it said so far is what was waited for, at most so long. Answers whether
@@ -157,54 +153,5 @@ impl Station {
     pub fn await_state(&mut self, milliseconds: u64, state: ArmState) {
         let came = self.run_until(milliseconds, |heard| heard.state() == Some(state));
         assert!(came, "not {state:?} after {milliseconds} ms but {}", self.heard.summary());
-    }
-
-    /// Takes what came over the line.
-    fn listen(&mut self) {
-        for byte in self.machine.heard() {
-            match self.decoder.push(byte) {
-                Some(Ok(message)) => self.heard.note(message),
-                Some(Err(_)) => self.heard.damaged += 1,
-                None => {}
-            }
-        }
-    }
-}
-
-impl Heard {
-    fn note(&mut self, message: ToHost) {
-        match message {
-            ToHost::Frame(frame) => self.frames.push(frame),
-            ToHost::Health(health) => self.health.push(health),
-            ToHost::Identity(identity) => self.identities.push(identity),
-            ToHost::Parameters(parameters) => self.parameters.push(parameters),
-            ToHost::Saved => self.saved += 1,
-            ToHost::Verdict(verdict) => self.verdicts.push(verdict),
-            ToHost::Replayed(replayed) => self.replayed.push(replayed),
-            ToHost::Refused(refusal) => self.refusals.push(refusal),
-        }
-    }
-
-    /// The state in the last frame.
-    pub fn state(&self) -> Option<ArmState> {
-        self.frames.last().map(|frame| frame.state)
-    }
-
-    /// What is wrong by the last frame.
-    pub fn conditions(&self) -> Vec<Condition> {
-        self.frames.last().map(|frame| frame.conditions.iter().collect()).unwrap_or_default()
-    }
-
-    /// Where the board stands, in a line.
-    pub fn summary(&self) -> String {
-        format!(
-            "{:?} with {:?}, {} frames, verdicts {:?}, refusals {:?}, {} damaged",
-            self.state(),
-            self.conditions(),
-            self.frames.len(),
-            self.verdicts,
-            self.refusals,
-            self.damaged
-        )
     }
 }

@@ -5,9 +5,18 @@
 //! the state it was built with is a core after a reset, and keeps what it knows of the code, as the emulator
 //! does for its own snapshots.
 
-use rigless::emulator::{BitAlias, CoreBus, DataModel, Error, Exit, HaltReason, HostCall, Processor, Queued};
+use rigless::device::Level;
+use rigless::emulator::{
+    BitAlias, CoreBus, DataModel, Error, Exit, HaltReason, HostCall, InterruptLine, Processor, Queued,
+};
 use rigless::soc::{Endian, Width};
 use rigless::time::VirtualNanos;
+
+/// The line that pends the core's NMI, which no line of the interrupt controller reaches: past the last.
+pub(crate) const NMI: InterruptLine = InterruptLine::new(1023).expect("below the emulator's limit");
+/// `ICSR` and `NMIPENDSET`, DDI 0403E.b B3.2.4.
+const ICSR: u64 = 0xE000_ED04;
+const NMI_PENDING: u64 = 1 << 31;
 
 /// A core with the state it was built with.
 #[derive(Debug)]
@@ -60,7 +69,16 @@ impl Processor for WarmCore {
     }
 
     fn ask(&mut self, queued: Queued) {
-        self.core.ask(queued);
+        match queued {
+            Queued::Line(NMI, level) => {
+                if level == Level::High {
+                    let now = VirtualNanos(0);
+                    let pended = self.core.debugger_access(Some(NMI_PENDING), ICSR, Width::W32, now);
+                    debug_assert!(pended.is_some(), "the core answers for its own registers");
+                }
+            }
+            other => self.core.ask(other),
+        }
     }
 
     fn maps(&self, start: u64, length: u64) -> bool {

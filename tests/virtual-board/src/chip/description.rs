@@ -9,6 +9,7 @@ use rigless::soc::stm32f427::generated::{self, gpioa};
 use rigless::soc::stm32f427::peripherals::{adc, rcc};
 use rigless::soc::{Builder, Bus, Clock, Cpu, Endian, EraseBlocks, Gate, Peripheral, Region, WriteModify};
 
+use super::debug;
 use super::exti;
 use super::flash;
 use super::timer;
@@ -85,7 +86,7 @@ pub static TIMERS: [TimerInstance; 14] = [
     timer!("TIM8", Advanced, [43, 44, 45, 46], true),
     timer!("TIM9", TwoChannels, [24], true),
     timer!("TIM10", OneChannel, [25], true),
-    timer!("TIM11", OneChannel, [26], true),
+    timer!("TIM11", Remapped, [26], true),
     timer!("TIM12", TwoChannels, [43], false),
     timer!("TIM13", OneChannel, [44], false),
     timer!("TIM14", OneChannel, [45], false),
@@ -125,7 +126,7 @@ const fn apb(apb2: bool, enable: bool) -> &'static str {
 fn instances() -> Vec<Peripheral> {
     generated::PERIPHERALS
         .iter()
-        .chain(std::iter::once(&armv7m::PERIPHERAL))
+        .chain([&armv7m::PERIPHERAL, &debug::PERIPHERAL])
         .filter(|each| !LEFT_OUT.contains(&each.name))
         .map(|&each| {
             if let Some(timer) = TIMERS.iter().find(|timer| timer.name == each.name) {
@@ -159,6 +160,7 @@ pub fn builder() -> Builder {
         .clocked_by(armv7m::DWT, Clock::output("RCC", rcc::HCLK))
         .clocked_by("IWDG", Clock::output("RCC", rcc::IWDG_CLK))
         .reads_requests("RCC")
+        .reads_requests(armv7m::DWT)
         .reads_requests("EXTI")
         .write_modify("FLASH", "SR", WriteModify::OneToClear)
         .write_modify("EXTI", "PR", WriteModify::OneToClear)

@@ -1,15 +1,14 @@
 //! The emulator's driver: the millisecond stops, the rig, and the count of what a control tick takes.
 
-use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::mpsc::{Receiver, SyncSender};
 
 use rigless::emulator::{Driver, Hit, Host, Settled, Stop, Watch};
-use rigless::mcu::Operate;
-use rigless::session::{Reset, Session};
+use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
+use super::live::Live;
 use super::{Failure, MILLISECOND, Rig, Setup, gaps};
 use crate::board::{Board, Inputs, Outputs};
 
@@ -33,8 +32,8 @@ pub struct TickRecord {
 
 /// What the driver keeps between stops.
 pub(super) struct Lockstep {
-    setup: Setup,
-    rig: Box<dyn Rig>,
+    pub(super) setup: Setup,
+    pub(super) rig: Box<dyn Rig>,
     commands: Receiver<Command>,
     replies: SyncSender<Result<bool, Failure>>,
     /// The end of the run that was asked for, and what may end it before.
@@ -45,15 +44,20 @@ pub(super) struct Lockstep {
     entry: Option<u64>,
     exits: BTreeSet<u64>,
     under_way: Option<(VirtualNanos, u64)>,
-    ticks: Vec<TickRecord>,
+    pub(super) ticks: Vec<TickRecord>,
     /// Watched to follow ticks instruction by instruction, and where they went since.
-    followed: BTreeSet<u64>,
-    path: Vec<u64>,
-    trace: Vec<Outputs>,
+    pub(super) followed: BTreeSet<u64>,
+    pub(super) path: Vec<u64>,
+    pub(super) trace: Vec<Outputs>,
     inputs: Option<Inputs>,
-    held: bool,
+    pub(super) held: bool,
     /// The core stands still until then.
-    stalled_until: VirtualNanos,
+    pub(super) stalled_until: VirtualNanos,
+    /// A debugger halts the core until then.
+    pub(super) halted: bool,
+    /// The nth arrival at this instruction waits there until the next tick is due.
+    pub(super) waiting_place: Option<(u64, u32)>,
+    pub(super) waited: Vec<VirtualNanos>,
 }
 
 impl Lockstep {
@@ -92,6 +96,9 @@ impl Lockstep {
             inputs: None,
             held: false,
             stalled_until: VirtualNanos(0),
+            halted: false,
+            waiting_place: None,
+            waited: Vec::new(),
         })
     }
 
@@ -106,6 +113,21 @@ impl Lockstep {
             && let Some((at, count)) = self.under_way.take()
         {
             self.ticks.push(TickRecord { at, instructions: hit.instruction_count - count + 1 });
+        }
+    }
+
+    /// The core waits at the place that was asked for, until the next tick is due.
+    fn wait_for_a_tick(&mut self, session: &mut Session<Board>, hit: Hit) {
+        let Some((address, nth)) = self.waiting_place.filter(|&(address, _)| address == hit.address) else {
+            return;
+        };
+        self.waiting_place = (nth > 1).then_some((address, nth.saturating_sub(1)));
+        if nth == 1 {
+            let last = self.ticks.last().map_or(0, |tick| tick.at.0);
+            let due = VirtualNanos(last + ((hit.at.0 - last) / MILLISECOND + 1) * MILLISECOND);
+            self.stalled_until = due;
+            self.waited.push(hit.at);
+            session.pause_at(Some(due));
         }
     }
 
@@ -160,6 +182,7 @@ impl Driver<Board> for Lockstep {
     fn on_settled(&mut self, session: &mut Session<Board>, host: &mut dyn Host, settled: Settled) {
         if let Settled::Hit(hit) = settled {
             self.note(hit);
+            self.wait_for_a_tick(session, hit);
         }
         let random = session.board_mut().chip().take_power_on();
         for (address, value) in random.into_iter().flatten() {
@@ -168,6 +191,10 @@ impl Driver<Board> for Lockstep {
         }
         // The core fetches from the flash, so it stands still while the flash is busy.
         let stalled = session.board_mut().chip().stalled() || now(&settled) < self.stalled_until;
+        if self.halted && !stalled {
+            self.halted = false;
+            session.board_mut().chip().thaw(now(&settled));
+        }
         if session.unpowered() {
             self.held = false;
         } else if stalled != self.held {
@@ -211,148 +238,5 @@ impl Driver<Board> for Lockstep {
             }
         }
         Some(self.next_stop(stop.at))
-    }
-}
-
-/// The board while it stands.
-pub struct Live<'a> {
-    session: &'a mut Session<Board>,
-    host: &'a mut dyn Host,
-    stop: &'a Stop,
-    lockstep: &'a mut Lockstep,
-}
-
-impl Live<'_> {
-    /// Now, and the instructions the core has retired.
-    pub fn now(&self) -> (VirtualNanos, u64) {
-        (self.stop.at, self.stop.instruction_count)
-    }
-
-    /// The board.
-    pub fn board(&mut self) -> &mut Board {
-        self.session.board_mut()
-    }
-
-    /// The outputs now.
-    pub fn outputs(&mut self) -> Outputs {
-        let at = self.stop.at;
-        self.board().outputs(at)
-    }
-
-    /// The rig, as the type it was connected as.
-    ///
-    /// # Panics
-    ///
-    /// If it is another type.
-    pub fn rig<R: Rig>(&mut self) -> &mut R {
-        let any: &mut dyn Any = &mut *self.lockstep.rig;
-        any.downcast_mut().expect("the rig is of another type")
-    }
-
-    /// The outputs at every millisecond since the start.
-    pub fn trace(&self) -> &[Outputs] {
-        &self.lockstep.trace
-    }
-
-    /// Every control tick since the start.
-    pub fn ticks(&self) -> &[TickRecord] {
-        &self.lockstep.ticks
-    }
-
-    /// Follows the ticks from now on, instruction by instruction, through `instructions`; or no more, with
-    /// none. It is a hundred times slower.
-    pub fn follow(&mut self, instructions: BTreeSet<u64>) {
-        for &address in self.lockstep.followed.difference(&instructions) {
-            self.session.unwatch(Watch::Instruction(address));
-        }
-        for &address in instructions.difference(&self.lockstep.followed) {
-            self.session.watch(Watch::Instruction(address));
-        }
-        self.lockstep.followed = instructions;
-    }
-
-    /// Where the ticks that were followed went, instruction by instruction, since the last call.
-    pub fn take_path(&mut self) -> Vec<u64> {
-        std::mem::take(&mut self.lockstep.path)
-    }
-
-    /// Every reset since the start.
-    pub fn resets(&self) -> &[Reset] {
-        self.session.resets()
-    }
-
-    /// The word at an address of the RAM or flash.
-    ///
-    /// # Panics
-    ///
-    /// If there is none.
-    pub fn word(&mut self, address: u64) -> u32 {
-        let read = self.host.read(address, Width::W32);
-        let word = read.unwrap_or_else(|why| panic!("{why}"));
-        u32::try_from(word).expect("32 bits")
-    }
-
-    /// Puts a word into the RAM.
-    ///
-    /// # Panics
-    ///
-    /// If there is no RAM.
-    pub fn set_word(&mut self, address: u64, word: u32) {
-        let written = self.host.write(address, Width::W32, u64::from(word));
-        written.unwrap_or_else(|why| panic!("{why}"));
-    }
-
-    /// Writes a register as a debugger does, or a fault of the part would.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such register.
-    pub fn poke(&mut self, address: u64, value: u32) {
-        let at = self.stop.at;
-        let written = self.session.mcu().write(at, address, Width::W32, u64::from(value));
-        written.unwrap_or_else(|why| panic!("{why}"));
-    }
-
-    /// The core's next access to the instance's registers from `address` on fails with a bus error.
-    pub fn fail_next(&mut self, address: u64) {
-        self.session.fail_next(address, address + 0x400);
-    }
-
-    /// The core stands still for `milliseconds`, while everything around it goes on.
-    pub fn stall(&mut self, milliseconds: u64) {
-        let until = VirtualNanos(self.stop.at.0 + milliseconds * MILLISECOND);
-        self.lockstep.stalled_until = until;
-        self.lockstep.held = true;
-        self.host.hold(true);
-    }
-
-    /// The supply goes, and comes back a moment later.
-    pub fn cut_power(&mut self) {
-        let at = self.stop.at;
-        self.board().chip().drive_flash(at, crate::chip::flash::Flash::cut);
-    }
-
-    /// Puts `bytes` into the flash from `address` on, behind the firmware's back.
-    pub fn replace_flash(&mut self, address: u64, bytes: &[u8]) {
-        let at = self.stop.at;
-        self.board().chip().drive_flash(at, |flash, context| flash.replace(address, bytes, context));
-    }
-
-    /// The address of one of the firmware's symbols.
-    ///
-    /// # Panics
-    ///
-    /// If it has no such symbol.
-    pub fn symbol(&self, name: &str) -> u64 {
-        let address = self.lockstep.setup.firmware.address(name);
-        address.unwrap_or_else(|| panic!("the firmware has no symbol {name}"))
-    }
-
-    /// How much of the stack between `low` and `high` was ever used [bytes], told by the words at its
-    /// low end that still are all the same, as a firmware paints them.
-    pub fn stack_used(&mut self, low: u64, high: u64) -> u64 {
-        let paint = self.word(low);
-        let untouched = (low..high).step_by(4).take_while(|&address| self.word(address) == paint).count();
-        high - low - 4 * untouched as u64
     }
 }

@@ -9,9 +9,10 @@
 //! what, and from where in the firmware.
 
 mod gaps;
+mod live;
 mod lockstep;
+mod rig;
 
-use std::any::Any;
 use std::fmt;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -22,34 +23,21 @@ use rigless::image::Image;
 use rigless::session::{Reset, Session};
 use rigless::time::VirtualNanos;
 
-use crate::board::{Board, Inputs, Outputs};
-use crate::chip::flash;
+use crate::board::{Board, Outputs};
+use crate::chip::{Settings, flash};
 use crate::firmware::Firmware;
+use crate::serial::Flaw;
 use crate::wiring::Amplifiers;
+pub use live::Live;
+pub use lockstep::TickRecord;
 use lockstep::{Command, Lockstep, Until};
-pub use lockstep::{Live, TickRecord};
+pub use rig::{AtRest, Rig};
 
 /// One millisecond of virtual time.
 pub const MILLISECOND: u64 = 1_000_000;
 
 /// The control tick: TIM1's update interrupt.
 pub const TICK: &str = "TIM1_UP_TIM10";
-
-/// What the board is connected to.
-pub trait Rig: Any + Send {
-    /// A millisecond passes with the board's `outputs` in effect: what the rig's sensors say at its end.
-    fn step(&mut self, outputs: &Outputs) -> Inputs;
-}
-
-/// A rig at rest: nothing moves, the supply is on.
-#[derive(Debug, Default)]
-pub struct AtRest(pub Inputs);
-
-impl Rig for AtRest {
-    fn step(&mut self, _outputs: &Outputs) -> Inputs {
-        self.0
-    }
-}
 
 /// Why a run ended before it was asked to.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -74,6 +62,8 @@ pub struct Setup {
     pub amplifiers: Amplifiers,
     /// The name of the function that is the control tick's interrupt.
     pub tick: &'static str,
+    /// What the part and the board around it are like.
+    pub settings: Settings,
     /// Decides what chance decides: the RAM at power-on, the bits of a cut-off flash operation.
     pub seed: u64,
     /// Accesses that the part refuses, with a bus error or because an instance's clock is off, are no
@@ -91,6 +81,7 @@ impl Setup {
             images: Vec::new(),
             amplifiers: Amplifiers::default(),
             tick: TICK,
+            settings: Settings::default(),
             seed: 1,
             refusals_allowed: false,
             protects_memory: false,
@@ -101,6 +92,13 @@ impl Setup {
     #[must_use]
     pub fn with_image(mut self, address: u64, bytes: Vec<u8>) -> Self {
         self.images.push((address, bytes));
+        self
+    }
+
+    /// On a part and a board like `settings`.
+    #[must_use]
+    pub fn with_settings(mut self, settings: Settings) -> Self {
+        self.settings = settings;
         self
     }
 
@@ -220,6 +218,11 @@ impl Machine {
         self.with(move |live| live.board().line().say(&bytes));
     }
 
+    /// Puts one byte on the serial line to the board that arrives with `flaw`.
+    pub fn say_flawed(&mut self, byte: u8, flaw: Flaw) {
+        self.with(move |live| live.board().line().say_flawed(byte, flaw));
+    }
+
     /// The bytes the board sent since the last call.
     pub fn heard(&mut self) -> Vec<u8> {
         self.with(|live| live.board().line().take_heard())
@@ -263,8 +266,8 @@ fn emulate(
     replies: SyncSender<Result<bool, Failure>>,
 ) -> Result<(), Failure> {
     let fail = |why: &dyn fmt::Display| Failure(why.to_string());
-    let mut board =
-        Board::new(setup.seed, setup.amplifiers, setup.protects_memory).map_err(|why| fail(&why))?;
+    let mut board = Board::new(setup.seed, setup.settings, setup.amplifiers, setup.protects_memory)
+        .map_err(|why| fail(&why))?;
     let mut images = vec![setup.firmware.image().clone()];
     for (address, bytes) in &setup.images {
         let name = format!("image at {address:#x}");

@@ -1,14 +1,14 @@
 //! A record through the board's own estimator and law, over the link: the host's bits.
 
-use host_sim::log::Log;
-use host_sim::replay::{replay, samples};
-use host_sim::scenario::Scenario;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::link::{Refusal, ToBoard};
+use twinrotor::link::{Nonce, Refusal, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::supervisor::ArmState;
+use twinrotor_identify::log::Log;
+use twinrotor_identify::replay::{replay, samples};
+use twinrotor_sim::scenario::Scenario;
 use virtual_board::record;
 
 use super::{board_with, make_ready, papers};
@@ -48,7 +48,7 @@ fn assert_same(rig: &Rig, parameters: &Parameters, scenario: Option<&Scenario>) 
 
 #[test]
 fn a_record_replayed_on_the_board_gives_the_bits_of_the_host() {
-    let step = Scenario::load("step").expect("built in");
+    let step = Scenario::named("step").expect("built in");
     assert_same(&presets::AERO, &papers(&presets::AERO), Some(&step));
     for name in ["aero-lab", "heli"] {
         let (rig, parameters) = record::tuned(name);
@@ -76,7 +76,7 @@ fn other_parameters_end_a_record() {
     let mut station = board_with(&rig, &parameters);
     station.run(100);
     assert_eq!(station.replay(&samples[..4]).map(|answers| answers.len()), Ok(4));
-    station.send(&ToBoard::WriteParameters(parameters));
+    station.send(&ToBoard::WriteParameters(Nonce::default(), parameters));
     assert!(station.run_until(2_000, |heard| heard.saved == 1));
     station.send(&ToBoard::Replay(samples[4]));
     station.run(20);

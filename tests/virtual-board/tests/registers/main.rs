@@ -1,10 +1,18 @@
-//! The models of the part's peripherals, each alone on the bus, against what RM0090 says of its
-//! registers.
+//! The models of the part's peripherals, each alone on the bus or with the rest of the part, against what
+//! RM0090 says of its registers.
 
+mod cache;
+mod debug;
 mod exti;
 mod flash;
+mod oscillator;
+mod serial;
+mod stream_stop;
+mod supply;
 mod timer;
 mod timer_outputs;
+mod watchdog;
+mod whole;
 
 use rigless::device::{Device, DeviceContext, Level, RegisterFile};
 use rigless::mcu::{Mcu, Operate, Single};

@@ -8,6 +8,13 @@ pub const BASE: u64 = 0x0800_0000;
 /// Its size.
 pub const SIZE: usize = 1 << 20;
 
+/// Typical durations with `PSIZE` x32 [ns], datasheet table 40: a word, and a sector by its size.
+pub(super) const PROGRAM_NS: u64 = 16_000;
+const ERASE_NS: [(u64, u64); 3] =
+    [(16 << 10, 250_000_000), (64 << 10, 550_000_000), (128 << 10, 1_000_000_000)];
+/// How much longer an erase takes with narrower parallelism, by `PSIZE`, in hundredths.
+const ERASE_BY_PSIZE: [u64; 4] = [160, 120, 100, 100];
+
 /// An operation of the array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operation {
@@ -25,6 +32,23 @@ pub fn sector(number: u64) -> Option<(u64, u64)> {
         5..=11 => Some((BASE + (number - 4) * (128 << 10), 128 << 10)),
         _ => None,
     }
+}
+
+/// How long a sector of `size` bytes takes to erase with the parallelism `psize` \[ns\].
+pub(super) fn erase_ns(size: u64, psize: u64) -> u64 {
+    let parallelism = usize::try_from(psize).expect("two bits");
+    let typical = ERASE_NS.iter().find(|(bytes, _)| *bytes == size);
+    typical.expect("every sector's size is listed").1 * ERASE_BY_PSIZE[parallelism] / 100
+}
+
+/// When to cut the supply: in an operation of the array, at a share of its duration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// Which operation, counting from 1 for the next one that starts.
+    pub operation: u64,
+    /// The share of its duration that passes before the supply goes, 0 to 1. Of the bits the operation
+    /// changes, about this share have changed by then, drawn at random.
+    pub share: f64,
 }
 
 /// The bytes, and chance.

@@ -1,40 +1,27 @@
 //! The flash interface and array of the STM32F405, RM0090 sections 3.5 to 3.9 and the F405 datasheet's
 //! table 40, with a supply that can be cut in the middle of an operation.
 //!
-//! Modelled: the unlock keys, sector erase and programming with their durations, `PSIZE` and sequence
-//! errors, flags and `EOP`/`OPERR` behind their enables, write access to `CR` only while unlocked.
-//! The core stands still while an operation runs, since it fetches from the array being written: the
-//! machine around this model holds it for as long as [`Flash::busy`].
+//! Modelled: the unlock keys, sector erase and programming with their durations, `PSIZE` and sequence errors,
+//! flags and `EOP`/`OPERR` behind their enables, write access to `CR` only while unlocked. The caches are
+//! followed as far as their registers go, see `cache`. The core stands still while an operation runs, since
+//! it fetches from the array being written: the machine around this model holds it for as long as
+//! [`Flash::busy`].
 //! Not modelled, and a run that asks for it fails: mass erase, option bytes, write protection.
 
 mod array;
+mod cache;
 
 use rigless::device::{Device, DeviceContext, RegisterFile};
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::flash::{Register, acr, cr, sr};
 use rigless::time::{EventId, VirtualNanos};
 
-use array::Array;
-pub use array::{BASE, Operation, SIZE, sector};
+use array::{Array, PROGRAM_NS};
+pub use array::{BASE, Cut, Operation, SIZE, sector};
+use cache::Cache;
 
 const CONTROL_AT_RESET: u64 = cr::LOCK.mask();
 const KEYS: [u64; 2] = [0x4567_0123, 0xCDEF_89AB];
-/// Typical durations with `PSIZE` x32 [ns], datasheet table 40: a word, and a sector by its size.
-const PROGRAM_NS: u64 = 16_000;
-const ERASE_NS: [(u64, u64); 3] =
-    [(16 << 10, 250_000_000), (64 << 10, 550_000_000), (128 << 10, 1_000_000_000)];
-/// How much longer an erase takes with narrower parallelism, by `PSIZE`, in hundredths.
-const ERASE_BY_PSIZE: [u64; 4] = [160, 120, 100, 100];
-
-/// When to cut the supply: in an operation of the array, at a share of its duration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cut {
-    /// Which operation, counting from 1 for the next one that starts.
-    pub operation: u64,
-    /// The share of its duration that passes before the supply goes, 0 to 1. Of the bits the operation
-    /// changes, about this share have changed by then, drawn at random.
-    pub share: f64,
-}
 
 /// An operation under way.
 #[derive(Debug)]
@@ -62,6 +49,8 @@ pub struct Flash {
     /// How long the supply stays away after a cut [ns], set as it goes.
     pub outage: Option<u64>,
     returning: Option<EventId>,
+    /// The instruction and the data cache.
+    caches: [Cache; 2],
 }
 
 /// How long the supply stays away after a cut [ns].
@@ -81,12 +70,18 @@ impl Flash {
             log: Vec::new(),
             outage: None,
             returning: None,
+            caches: [Cache::default(); 2],
         }
     }
 
     /// Whether an operation runs, and the core with it stands still.
     pub fn busy(&self) -> bool {
         self.running.is_some()
+    }
+
+    /// Whether the instruction and the data cache may give the core a line from before the array changed.
+    pub fn serves_stale_lines(&self) -> [bool; 2] {
+        self.caches.map(|cache| cache.serves_stale_lines())
     }
 
     /// The array's bytes from `address` on.
@@ -147,6 +142,7 @@ impl Flash {
         self.control = CONTROL_AT_RESET;
         self.running = None;
         self.cutting = None;
+        self.caches = [Cache::default(); 2];
     }
 
     fn start(
@@ -157,6 +153,7 @@ impl Flash {
         context: &mut DeviceContext<'_>,
     ) {
         let started = context.now().0;
+        self.caches.iter_mut().for_each(Cache::array_changes);
         self.log.push((context.now(), operation));
         registers.set(Register::Sr, registers.get(Register::Sr) | sr::BSY.mask());
         if let Some(cut) = self.cuts.last_mut() {
@@ -214,10 +211,7 @@ impl Flash {
             Self::error(registers, sr::WRPERR.mask());
             return;
         };
-        let parallelism = usize::try_from(cr::PSIZE.get(written)).expect("two bits");
-        let typical = ERASE_NS.iter().find(|(bytes, _)| *bytes == size);
-        let (_, typical) = typical.expect("every sector's size is listed");
-        let duration = typical * ERASE_BY_PSIZE[parallelism] / 100;
+        let duration = array::erase_ns(size, cr::PSIZE.get(written));
         self.start(Operation::Erase { address, size }, duration, registers, context);
     }
 }
@@ -231,7 +225,7 @@ impl Device for Flash {
         registers: &mut RegisterFile,
         _context: &mut DeviceContext<'_>,
     ) -> Option<u64> {
-        // ICRST is write only; nothing here follows the caches.
+        // ICRST is write only.
         (register == Register::Acr).then(|| acr::ICRST.set(registers.get(register), 0))
     }
 
@@ -245,7 +239,11 @@ impl Device for Flash {
         match register {
             Register::Keyr => self.take_key(value, registers),
             Register::Cr => self.write_control(registers, context),
-            Register::Acr | Register::Sr => {}
+            Register::Acr => {
+                self.caches[0].write(acr::ICEN.is_set(value), acr::ICRST.is_set(value));
+                self.caches[1].write(acr::DCEN.is_set(value), acr::DCRST.is_set(value));
+            }
+            Register::Sr => {}
             Register::Optkeyr | Register::Optcr | Register::Optcr1 => {
                 context.tell("OPTCR", "option bytes are not modelled");
             }

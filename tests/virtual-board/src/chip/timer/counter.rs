@@ -169,6 +169,19 @@ impl Counter {
         }
     }
 
+    /// `CNT` at `then`, no more than one lap before `now`, of a counter that counts up, once everything up to
+    /// `now` has been taken.
+    pub fn count_at(&self, then: u64, now: u64) -> u64 {
+        let lap = self.active.reload + 1;
+        let since = (self.tick(now) - self.tick(then.max(self.clock_since))) / (self.active.prescaler + 1);
+        (self.count(now) + lap - since % lap) % lap
+    }
+
+    /// Where the counter stands still, for want of a clock.
+    pub fn stands_at(&self) -> Option<u64> {
+        (self.clock_hz == 0).then(|| self.count(self.clock_since))
+    }
+
     /// Whether it counts down at `now`, which `CR1.DIR` shows.
     pub fn counts_down(&self, now: u64) -> bool {
         match self.control.shape {

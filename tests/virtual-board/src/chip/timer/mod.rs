@@ -6,11 +6,13 @@
 //! | Prescaler, up, down and centre-aligned counting, repetition, one pulse, `UDIS`, `URS`, preload of `PSC`, `ARR`, `RCR` and `CCRx` taken at the update event | `counter` |
 //! | PWM modes 1 and 2, forced levels, polarity, complementary outputs, `MOE`, `OSSI`, `OSSR`, idle levels, dead time | `outputs` |
 //! | Encoder modes, the break input with `BIF`, `MOE` and `AOE`, `LOCK` | `inputs` |
+//! | TIM11's capture of the crystal's divided clock | `capture` |
 //! | Update and compare flags and interrupts | here |
 //!
-//! Asked of it but not modelled, which fails a run: input capture, the match and toggle output modes,
-//! slave modes other than the encoder's, DMA requests, and a register the instance does not have.
+//! Asked of it but not modelled, which fails a run: any other input capture, the match and toggle output
+//! modes, slave modes other than the encoder's, DMA requests, and a register the instance does not have.
 
+mod capture;
 mod counter;
 mod inputs;
 mod outputs;
@@ -20,6 +22,7 @@ use rigless::device::{Device, DeviceContext, Level, RegisterFile, RequestChange}
 use rigless::soc::stm32f427::peripherals::rcc;
 use rigless::time::{EventId, VirtualNanos};
 
+use capture::Capture;
 pub use counter::{Control, Counter, Shape, Values};
 pub use outputs::{Drive, Side, dead_time_ticks};
 pub use registers::{Kind, REGISTERS, Register};
@@ -52,6 +55,7 @@ pub struct Timer {
     locked: Option<u64>,
     /// The level on the break input, once a pin carries one.
     break_input: Option<Level>,
+    capture: Capture,
 }
 
 impl Timer {
@@ -65,6 +69,7 @@ impl Timer {
             backwards: false,
             locked: None,
             break_input: None,
+            capture: Capture::default(),
         }
     }
 
@@ -223,11 +228,15 @@ impl Device for Timer {
         if let Some(channel) = COMPARE.iter().position(|&each| each == register)
             && outputs::selection(registers, channel) != 0
         {
+            if channel == 0 && self.captures(registers) {
+                return Some(self.take_capture(registers, context));
+            }
             context.tell(register.name(), "input capture is not modelled");
         }
         match register {
             Register::Sr => {
                 self.settle(registers, context);
+                self.capture(registers, context);
                 None
             }
             Register::Cnt if self.counter.control().enabled => {

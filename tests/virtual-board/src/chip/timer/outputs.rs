@@ -102,7 +102,10 @@ fn reference(counter: &Counter, registers: &RegisterFile, channel: usize) -> Dri
         Shape::Down => ((compare + 1).min(reload + 1), reload + 1),
         Shape::Centre { .. } => (2 * compare.min(reload), 2 * reload),
     };
-    let pulses = if active == 0 {
+    let pulses = if let Some(count) = counter.stands_at() {
+        // Between two edges for good: a leg stays as it was.
+        Drive::steady(if counter.control().shape == Shape::Down { count <= compare } else { count < compare })
+    } else if active == 0 {
         Drive::Low
     } else if active >= period {
         Drive::High

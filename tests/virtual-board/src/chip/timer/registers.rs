@@ -122,8 +122,10 @@ pub enum Kind {
     General,
     /// TIM9 and TIM12.
     TwoChannels,
-    /// TIM10, TIM11, TIM13 and TIM14.
+    /// TIM10, TIM13 and TIM14.
     OneChannel,
+    /// TIM11: one channel, whose input can be the crystal's divided clock.
+    Remapped,
     /// TIM6 and TIM7: no channel.
     Basic,
 }
@@ -142,7 +144,7 @@ impl Kind {
         match self {
             Self::Advanced | Self::Wide | Self::General => 4,
             Self::TwoChannels => 2,
-            Self::OneChannel => 1,
+            Self::OneChannel | Self::Remapped => 1,
             Self::Basic => 0,
         }
     }
@@ -152,14 +154,13 @@ impl Kind {
         use Register as R;
         match register {
             R::Cr1 | R::Dier | R::Sr | R::Egr | R::Cnt | R::Psc | R::Arr => true,
-            R::Cr2 => !matches!(self, Self::TwoChannels | Self::OneChannel),
+            R::Cr2 => !matches!(self, Self::TwoChannels | Self::OneChannel | Self::Remapped),
             R::Smcr => self.channels() >= 2,
             R::Ccmr1 | R::Ccer | R::Ccr1 => self.channels() >= 1,
             R::Ccr2 => self.channels() >= 2,
             R::Ccmr2 | R::Ccr3 | R::Ccr4 | R::Dcr | R::Dmar => self.channels() >= 4,
             R::Rcr | R::Bdtr => self == Self::Advanced,
-            // TIM11's too, which nothing here remaps.
-            R::Or => self == Self::Wide,
+            R::Or => matches!(self, Self::Wide | Self::Remapped),
         }
     }
 }

@@ -1,0 +1,169 @@
+//! One flight, recorded: a rig, a controller, a scenario and a world to fly them in.
+
+use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
+use crate::error::{Error, Outcome};
+use crate::metrics::{Metrics, Report};
+use crate::scenario::{SAMPLE_TIME, Scenario};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
+use twinrotor::plant::{RealPlant, State};
+use twinrotor::real::Real;
+
+/// Which world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fidelity {
+    /// The paper's: true state, no lag, no quantisation, no delay, 1 kHz hold.
+    Ideal,
+    /// The rig's: encoder counts, estimated rates, rotor lag, one tick of delay, PWM steps.
+    Rig,
+}
+
+/// Which arithmetic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scalar {
+    /// As the board computes.
+    F32,
+    /// To verify.
+    F64,
+}
+
+/// What to fly.
+#[derive(Debug, Clone)]
+pub struct Plan<'a> {
+    /// The machine.
+    pub rig: &'a Rig,
+    /// The controller.
+    pub settings: &'a Settings<f64>,
+    /// What to follow.
+    pub scenario: &'a Scenario,
+    /// \[rad\] Where to start, at rest.
+    pub initial: PerAxis<f64>,
+    /// Which world.
+    pub fidelity: Fidelity,
+    /// Of the disturbance and the encoders' phase.
+    pub seed: u64,
+}
+
+/// One tick of a recording, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// \[s\] tick x sample time.
+    pub time: f64,
+    /// True angles and rates.
+    pub state: State<f64>,
+    /// \[rad\] What was wanted.
+    pub reference: PerAxis<f64>,
+    /// \[V\] What acted on the rotors.
+    pub volts: PerMotor<f64>,
+    /// \[V\] What disturbed them.
+    pub disturbance: PerMotor<f64>,
+}
+
+/// What is read off a row.
+pub type Reading = fn(&Row) -> f64;
+
+/// A flight.
+#[derive(Debug, Clone)]
+pub struct Flight {
+    /// Every tick.
+    pub rows: Vec<Row>,
+    /// In numbers.
+    pub report: Report,
+}
+
+/// Flies a plan.
+///
+/// # Errors
+///
+/// If the loop diverges.
+pub fn fly(plan: &Plan<'_>, scalar: Scalar) -> Outcome<Flight> {
+    match scalar {
+        Scalar::F32 => match plan.fidelity {
+            Fidelity::Ideal => record(plan, ideal_loop::<f32>(plan)),
+            Fidelity::Rig => record(plan, board_loop(plan)),
+        },
+        Scalar::F64 => match plan.fidelity {
+            Fidelity::Ideal => record(plan, ideal_loop::<f64>(plan)),
+            Fidelity::Rig => record(plan, rig_loop::<f64>(plan)),
+        },
+    }
+}
+
+fn start<R: Real>(plan: &Plan<'_>) -> State<R> {
+    State::at_rest(plan.initial.cast())
+}
+
+fn ideal_loop<R: Real>(plan: &Plan<'_>) -> IdealLoop<R> {
+    IdealLoop::new(plan.rig, &plan.settings.map(R::from_f64), start(plan), SAMPLE_TIME)
+}
+
+fn real_parts<R: Real>(plan: &Plan<'_>) -> (RealPlant<R>, Hardware, Settings<R>) {
+    let plant = RealPlant::new(&plan.rig.plant, start(plan), SAMPLE_TIME);
+    (plant, Hardware::of(plan.rig, encoder_phase(plan.seed)), plan.settings.map(R::from_f64))
+}
+
+/// The loop as the board runs it.
+pub fn board_loop(plan: &Plan<'_>) -> BoardLoop {
+    let (plant, hardware, settings) = real_parts(plan);
+    BoardLoop::new(plant, &hardware, &settings)
+}
+
+/// The loop as lanes run it.
+pub fn rig_loop<R: Real>(plan: &Plan<'_>) -> RigLoop<R> {
+    let (plant, hardware, settings) = real_parts(plan);
+    RigLoop::new(plant, &hardware, &settings)
+}
+
+/// Where between two counts the encoders stand at the start, uniform.
+fn encoder_phase(seed: u64) -> PerAxis<f64> {
+    // Another stream than the disturbance of the same seed.
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(1);
+    PerAxis::new(rng.random(), rng.random())
+}
+
+fn record<R, L>(plan: &Plan<'_>, mut closed_loop: L) -> Outcome<Flight>
+where
+    R: Real<Scalar = R> + Into<f64>,
+    L: ClosedLoop<R>,
+{
+    let references = plan.scenario.references::<R>();
+    let disturbances = plan.scenario.disturbances::<R>(plan.seed);
+    let steps = plan.scenario.steps(plan.initial);
+    let limit = plan.settings.volts_limit.cast();
+    let mut metrics = Metrics::new(plan.scenario.last_tick(), steps, limit);
+    let mut rows = Vec::with_capacity(references.len());
+    for (tick, (reference, disturbance)) in (0_u32..).zip(references.iter().zip(&disturbances)) {
+        let happened = closed_loop.tick(reference, *disturbance);
+        let row = row(tick, &happened, *disturbance);
+        let PerAxis { pitch, yaw } = row.state.angle;
+        if !(pitch.abs() < DIVERGED && yaw.abs() < DIVERGED) {
+            return Err(Error::Failed(format!("the loop diverged {:.3} s after the start", row.time)));
+        }
+        metrics.add(tick, &happened);
+        rows.push(row);
+    }
+    Ok(Flight { rows, report: metrics.report(0, SAMPLE_TIME) })
+}
+
+/// \[rad\] An angle beyond which there is nothing left to control: a hundred turns.
+const DIVERGED: f64 = 628.0;
+
+fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, disturbance: PerMotor<R>) -> Row {
+    let axis = |v: PerAxis<R>| v.map(Into::into);
+    let motor = |v: PerMotor<R>| v.map(Into::into);
+    Row {
+        time: f64::from(tick) * SAMPLE_TIME,
+        state: State { angle: axis(happened.state.angle), rate: axis(happened.state.rate) },
+        reference: axis(happened.setpoint),
+        volts: motor(happened.applied),
+        disturbance: motor(disturbance),
+    }
+}

@@ -1,0 +1,110 @@
+//! The robust objective: how a controller does on many plants that are not the one it believes in, in the
+//! rig's world.
+//!
+//! The step is 15° of pitch and 40° of yaw from rest at zero with the rotors at rest; at T_d a constant
+//! disturbance sets in, and the flight lasts 2 T_d. For each plant
+//!
+//! c = ts_pitch + ts_yaw + .05 (overshoot, both) + (RMS error after T_d, both) + .5 (RMS error in the last
+//! second before T_d, both) + .001 (voltage variation in that second) + .5 (time in saturation)
+//!
+//! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which
+//! plants there are.
+
+mod comparison;
+mod cost;
+mod kernel;
+mod limits;
+mod plants;
+mod tuning;
+
+pub use comparison::{Row, Spread, signed_rank};
+pub use cost::{Score, Terms, quantile, total};
+pub use limits::Limit;
+pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
+pub use tuning::{Plan, Robust, Tuning};
+
+use crate::parallel;
+use twinrotor::axes::PerAxis;
+use twinrotor::controller::ControllerSettings;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
+use twinrotor::real::Real;
+use twinrotor::trajectory::ticks;
+use twinrotor_sim::lanes::LANES;
+use twinrotor_sim::scenario::SAMPLE_TIME;
+
+/// A cost must exceed its bound by this part before the rest is left out: its sums are rounded.
+const SURELY: f64 = 1.0 + 1e-9;
+
+/// A rig and the plants around it.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// What the controller believes.
+    pub rig: Rig,
+    /// What it flies.
+    pub plants: Vec<Draw>,
+    /// \[rad\] Where to, from rest at zero with the rotors at rest; both positive.
+    pub step: PerAxis<f64>,
+    /// \[s\] T_d.
+    pub allowance: f64,
+}
+
+/// \[deg\] The objective's step.
+pub const STEP_DEG: PerAxis<f64> = PerAxis::new(15.0, 40.0);
+
+impl Trial {
+    /// `count` plants around `rig`, drawn by `seed`, with the disturbance at `allowance` \[s\].
+    pub fn new(rig: &Rig, count: usize, seed: u64, allowance: f64) -> Self {
+        Self { rig: *rig, plants: draw(rig, count, seed), step: STEP_DEG.map(f64::to_radians), allowance }
+    }
+
+    /// The scores of a controller, in the order of the plants.
+    pub fn scores(&self, controller: &ControllerSettings<f64>) -> Vec<Score> {
+        let settings = self.settings(controller);
+        parallel::by_group(&self.plants, LANES, |group| self.fly(&settings, group))
+    }
+
+    /// As [`Trial::scores`], or `None` as soon as J is sure not to be below `bound`; and how many plants were
+    /// flown.
+    ///
+    /// The plants still to be flown cost nothing less than nothing, and J falls with none of its costs.
+    pub fn scores_below(
+        &self,
+        controller: &ControllerSettings<f64>,
+        bound: f64,
+    ) -> (Option<Vec<Score>>, usize) {
+        if bound == f64::INFINITY {
+            return (Some(self.scores(controller)), self.plants.len());
+        }
+        let settings = self.settings(controller);
+        let mut scores = Vec::with_capacity(self.plants.len());
+        for group in self.plants.chunks(LANES) {
+            scores.extend(self.fly(&settings, group));
+            let mut costs: Vec<f64> = scores.iter().map(Score::cost).collect();
+            costs.resize(self.plants.len(), 0.0);
+            if cost::of(&costs) > bound * SURELY {
+                return (None, scores.len());
+            }
+        }
+        let flown = scores.len();
+        (Some(scores), flown)
+    }
+
+    fn settings(&self, controller: &ControllerSettings<f64>) -> Settings<f32> {
+        Settings::new(&self.rig, *controller, SAMPLE_TIME).map(f32::from_f64)
+    }
+
+    fn fly(&self, settings: &Settings<f32>, group: &[Draw]) -> Vec<Score> {
+        kernel::scores(self, settings, group)
+    }
+
+    /// J.
+    pub fn cost(&self, controller: &ControllerSettings<f64>) -> f64 {
+        total(&self.scores(controller))
+    }
+
+    /// Closed-loop steps of a flight.
+    pub fn steps(&self) -> u64 {
+        2 * u64::from(ticks(self.allowance, SAMPLE_TIME))
+    }
+}

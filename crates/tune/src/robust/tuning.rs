@@ -1,0 +1,180 @@
+//! Tuning any controller on the robust objective, over the logarithms of its parameters.
+
+use super::{Limit, Row, Score, Trial};
+use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
+use crate::parallel;
+use crate::search::{Effort, Problem, Search};
+use crate::tunable::Tunable;
+use std::sync::atomic::{AtomicU64, Ordering};
+use twinrotor::controller::ControllerSettings;
+use twinrotor::plant::presets::Rig;
+use twinrotor_sim::Outcome;
+use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_sim::rig::NamedRig;
+
+/// J of a controller's parameters on a set of plants.
+#[derive(Debug)]
+pub struct Robust<'a> {
+    /// The plants.
+    pub trial: &'a Trial,
+    /// The controller.
+    pub tunable: &'a Tunable,
+    limits: &'a [Limit],
+    simulated: AtomicU64,
+    skipped: AtomicU64,
+    diverged: AtomicU64,
+}
+
+impl<'a> Robust<'a> {
+    /// Positions are logarithms of factors on the start values of `tunable`.
+    pub fn new(trial: &'a Trial, tunable: &'a Tunable) -> Self {
+        Self {
+            trial,
+            tunable,
+            limits: &[],
+            simulated: AtomicU64::new(0),
+            skipped: AtomicU64::new(0),
+            diverged: AtomicU64::new(0),
+        }
+    }
+
+    /// The same, with limits: for each, J is raised by the part of itself by which it is exceeded.
+    #[must_use]
+    pub fn within(self, limits: &'a [Limit]) -> Self {
+        Self { limits, ..self }
+    }
+
+    fn cost(&self, candidate: &Candidate) -> f64 {
+        let controller = self.tunable.controller(&candidate.position);
+        // What no gains file could hold is no candidate.
+        if controller.validate().is_err() {
+            return f64::INFINITY;
+        }
+        let (scores, flown) = self.trial.scores_below(&controller, candidate.bound);
+        let left = self.trial.plants.len() - flown;
+        self.simulated.fetch_add(self.trial.steps() * flown as u64, Ordering::Relaxed);
+        self.skipped.fetch_add(self.trial.steps() * left as u64, Ordering::Relaxed);
+        let Some(scores) = scores else { return f64::INFINITY };
+        self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
+        super::total(&scores) * (1.0 + self.excess(&scores))
+    }
+
+    fn excess(&self, scores: &[Score]) -> f64 {
+        if self.limits.is_empty() {
+            return 0.0;
+        }
+        let row = Row::new("", scores, None, Vec::new());
+        self.limits.iter().map(|limit| limit.excess(&row)).sum()
+    }
+}
+
+impl Problem for Robust<'_> {
+    /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`]), so that the
+    /// search learns in which direction fewer do.
+    fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
+        parallel::map(candidates, |candidate| self.cost(candidate))
+    }
+
+    fn effort(&self) -> Effort {
+        let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        Effort { simulated: of(&self.simulated), skipped: of(&self.skipped), diverged: of(&self.diverged) }
+    }
+}
+
+/// How to search: in rounds, each around the best so far and within less.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The method and what it may use in each round.
+    pub setup: Setup,
+    /// How many rounds, at least 1.
+    pub rounds: usize,
+    /// Factor within which each parameter is searched in the first round, above 1.
+    pub range: f64,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+impl Plan {
+    /// The search over `dimension` parameters at its beginning.
+    pub fn start(&self, dimension: usize) -> Searcher {
+        let reach = self.range.ln();
+        Searcher::Rounds(Box::new(Rounds::new(self.setup, self.rounds, dimension, reach, self.seed)))
+    }
+}
+
+/// Everything that is the same for all controllers that are to be compared: plants, budget, algorithm.
+#[derive(Debug, Clone)]
+pub struct Tuning {
+    trial: Trial,
+    plan: Plan,
+    preset: String,
+    rig: Rig,
+}
+
+/// Plants that a comparison's controllers are tuned on.
+const PLANTS: usize = 32;
+
+impl Tuning {
+    /// `rounds` searches of 500 evaluations each.
+    pub fn standard(named: &NamedRig, rounds: usize, seed: u64) -> Self {
+        let algorithm = Algorithm::Fpa(Variant::Yang);
+        let setup = Setup { algorithm, population: Some(25), evaluations: 500 };
+        let allowance = super::allowance(&named.name, &named.rig);
+        Self {
+            trial: Trial::new(&named.rig, PLANTS, seed, allowance),
+            plan: Plan { setup, rounds, range: 4.0, seed },
+            preset: named.name.clone(),
+            rig: named.rig,
+        }
+    }
+
+    /// Tunes every parameter of a controller, from what `design` makes of the rig.
+    ///
+    /// # Errors
+    ///
+    /// If the design has no parameter to tune.
+    pub fn run(&self, design: fn(&Rig) -> ControllerSettings<f64>) -> Outcome<GainsFile> {
+        let tunable = Tunable::new(&design(&self.rig), &[])?;
+        let mut search = Search::new(String::new(), self.plan.start(tunable.names().len()));
+        search.to_the_end(&Robust::new(&self.trial, &tunable));
+        let best = search.best().expect("the start is evaluated first");
+        let provenance = Provenance {
+            preset: self.preset.clone(),
+            objective: format!("robust, {PLANTS} plants"),
+            algorithm: format!("fpa-yang, {} rounds", self.plan.rounds),
+            seed: self.plan.seed,
+            evaluations: search.evaluations(),
+            cost: best.cost,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
+        Ok(GainsFile { controller: tunable.controller(&best.position), provenance: Some(provenance) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twinrotor::defaults;
+    use twinrotor::plant::presets::AERO2;
+
+    #[test]
+    fn plants_are_spared_only_where_the_candidate_cannot_win() {
+        let trial = Trial::new(&AERO2, 40, 1, 1.5);
+        let tunable = Tunable::new(&defaults::AERO2, &[]).unwrap();
+        let mut spared = 0;
+        for factor in [0.3, 1.0, 2.0] {
+            let controller = tunable.controller(&vec![f64::ln(factor); tunable.names().len()]);
+            let all = trial.scores(&controller);
+            let cost = super::super::total(&all);
+            for part in [0.2, 0.5, 0.8, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, f64::INFINITY] {
+                let (scores, flown) = trial.scores_below(&controller, part * cost);
+                spared += all.len() - flown;
+                match scores {
+                    Some(scores) => assert_eq!(scores, all),
+                    None => assert!(part < 1.0, "factor {factor}: {part} of its cost is above it"),
+                }
+            }
+        }
+        assert!(spared > 0);
+    }
+}

@@ -1,0 +1,133 @@
+//! A search: an optimiser and a problem, driven to the end or for as long as whoever watches lets it, and
+//! resumed where it was broken off.
+
+use crate::checkpoint;
+use crate::optimise::{Best, Candidate, Optimiser, Searcher};
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+use twinrotor_sim::Outcome;
+
+/// Something to minimise.
+pub trait Problem: Sync {
+    /// The cost of each candidate, in order. The same candidate costs the same on any number of threads and
+    /// in any company.
+    fn costs(&self, candidates: &[Candidate]) -> Vec<f64>;
+
+    /// What it has taken so far.
+    fn effort(&self) -> Effort;
+}
+
+/// What computing costs took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Effort {
+    /// Steps of closed loops.
+    pub simulated: u64,
+    /// Steps saved, because the candidate had lost already.
+    pub skipped: u64,
+    /// Candidates that diverged.
+    pub diverged: u64,
+}
+
+impl Effort {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            simulated: self.simulated + other.simulated,
+            skipped: self.skipped + other.skipped,
+            diverged: self.diverged + other.diverged,
+        }
+    }
+}
+
+/// Where a tuning run stands; everything that a restart needs.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Search {
+    /// What is being tuned and how, in words.
+    identity: String,
+    optimiser: Searcher,
+    /// Evaluations and cost at every improvement.
+    history: Vec<(usize, f64)>,
+    effort: Effort,
+}
+
+impl Search {
+    /// At the beginning.
+    pub fn new(identity: String, optimiser: Searcher) -> Self {
+        Self { identity, optimiser, history: Vec::new(), effort: Effort::default() }
+    }
+
+    /// As it stood when [`Search::checkpoint`] was asked, if that was of the run that `identity` describes.
+    ///
+    /// # Errors
+    ///
+    /// If the bytes are damaged, of another version or of another run.
+    pub fn resume(bytes: &[u8], identity: &str) -> Outcome<Self> {
+        checkpoint::decode(bytes, identity)
+    }
+
+    /// Where it stands, for [`Search::resume`].
+    pub fn checkpoint(&self) -> Vec<u8> {
+        checkpoint::encode(&self.identity, self)
+    }
+
+    /// Drives the search on, to the end of its budget or until `after`, which is shown where it stands after
+    /// every exchange, breaks it off.
+    pub fn run<B>(
+        &mut self,
+        problem: &dyn Problem,
+        mut after: impl FnMut(&Self) -> ControlFlow<B>,
+    ) -> ControlFlow<B> {
+        let before = self.effort;
+        loop {
+            let asked = self.optimiser.ask();
+            if asked.is_empty() {
+                return ControlFlow::Continue(());
+            }
+            self.optimiser.tell(&problem.costs(&asked));
+            self.note_improvement();
+            self.effort = before.plus(problem.effort());
+            after(self)?;
+        }
+    }
+
+    /// Drives the search to the end of its budget.
+    pub fn to_the_end(&mut self, problem: &dyn Problem) {
+        let _: ControlFlow<()> = self.run(problem, |_| ControlFlow::Continue(()));
+    }
+
+    fn note_improvement(&mut self) {
+        let cost = self.cost();
+        if self.history.last().is_none_or(|(_, before)| cost < *before) {
+            self.history.push((self.optimiser.evaluations(), cost));
+        }
+    }
+
+    /// The best cost so far; infinity if there is none.
+    pub fn cost(&self) -> f64 {
+        self.optimiser.best().map_or(f64::INFINITY, |b| b.cost)
+    }
+
+    /// The best so far; none if every candidate diverged.
+    pub fn best(&self) -> Option<&Best> {
+        self.optimiser.best()
+    }
+
+    /// Evaluations used.
+    pub fn evaluations(&self) -> usize {
+        self.optimiser.evaluations()
+    }
+
+    /// Evaluations and cost at every improvement.
+    pub fn history(&self) -> &[(usize, f64)] {
+        &self.history
+    }
+
+    /// Evaluations there will be in all.
+    pub fn budget(&self) -> usize {
+        self.optimiser.budget()
+    }
+
+    /// What it took in all, before a restart too.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+}

@@ -1,0 +1,67 @@
+//! What is read from disk and written to it.
+
+pub mod checkpoint;
+pub mod export;
+pub mod figure;
+pub mod output;
+
+use crate::error::{Failure, Outcome};
+use std::fs::{self, File};
+use std::path::Path;
+use twinrotor_identify::log::{Columns, Log};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::rig::{self, NamedRig};
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, Outcome as Text};
+
+/// The text of a file that the user named.
+///
+/// # Errors
+///
+/// If it cannot be read.
+pub fn text(path: &str) -> Text<String> {
+    fs::read_to_string(path).map_err(|e| Error::Unusable(format!("cannot be read: {e}")).within(path))
+}
+
+/// A preset, or a rig from a TOML file.
+///
+/// # Errors
+///
+/// If there is none of that name, or the file is not one of a rig.
+pub fn rig(name: &str) -> Outcome<NamedRig> {
+    Ok(rig::load(name, &text)?)
+}
+
+/// One of the paper's scenarios, or one from a TOML file.
+///
+/// # Errors
+///
+/// If there is none of that name, or the file is not one of a scenario.
+pub fn scenario(name: &str) -> Outcome<Scenario> {
+    Ok(Scenario::load(name, &text)?)
+}
+
+/// `paper`, or gains from a file; `flag` is what named it.
+///
+/// # Errors
+///
+/// If there is no such file, or it is not one of gains.
+pub fn gains(flag: &str, name: &str) -> Outcome<GainsFile> {
+    if name != "paper" && !Path::new(name).exists() {
+        return Err(Failure::Input(format!(
+            "{flag} is '{name}'; allowed: 'paper' (Table 4) or the path of a gains file, and there is no \
+             such file"
+        )));
+    }
+    Ok(GainsFile::load(name, &text)?)
+}
+
+/// A log from a CSV file.
+///
+/// # Errors
+///
+/// If it cannot be read, or nothing can be learnt from it.
+pub fn log(path: &Path, columns: &Columns) -> Outcome<Log> {
+    let file = File::open(path).map_err(|e| Failure::reading(path, &e))?;
+    Ok(Log::read(&path.display().to_string(), file, columns)?)
+}
