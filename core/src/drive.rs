@@ -3,9 +3,18 @@
 use crate::axes::PerMotor;
 use crate::real::Real;
 
-/// \[steps\] From zero to the full supply, of a locked anti-phase bridge at 20 kHz, centre-aligned, from a timer
-/// of 168 MHz: 168e6 / 20e3 / 2 / 2. The presets' and the firmware's.
-pub const FULL_STEPS: u32 = 2_100;
+/// \[Hz\] The PWM of every board: above hearing, and 20 whole periods in a tick.
+pub const PWM_HZ: u32 = 20_000;
+
+/// Compare steps from zero to full voltage, either way, of a board whose timer counts `timer_hz` times a
+/// second. Centre-aligned, a period is up and down; in locked antiphase, zero volts are half of it.
+pub const fn full_steps(timer_hz: u32) -> u32 {
+    timer_hz / PWM_HZ / 2 / 2
+}
+
+/// \[steps\] On the boards that the firmware knows, whose timers all count at 168 MHz; the presets' too. The
+/// firmware does not compile for a board that has others.
+pub const FULL_STEPS: u32 = full_steps(168_000_000);
 
 /// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.
 #[derive(Debug, Clone, Copy, PartialEq)]

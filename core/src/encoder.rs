@@ -60,6 +60,12 @@ impl Encoder {
         f32::from_i32(self.position) * self.angle_per_count
     }
 
+    /// At how many bits its counter wraps.
+    #[inline]
+    pub fn width(&self) -> CounterWidth {
+        self.width
+    }
+
     /// The last reading.
     #[inline]
     pub fn reading(&self) -> u32 {

@@ -10,9 +10,19 @@
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+mod boards;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
 mod critical;
 #[cfg(target_os = "none")]
+mod emergency_stop;
+#[cfg(target_os = "none")]
 mod led;
+#[cfg(target_os = "none")]
+mod nonce;
+#[cfg(target_os = "none")]
+mod pins;
 #[cfg(target_os = "none")]
 mod port;
 #[cfg(target_os = "none")]
@@ -30,10 +40,14 @@ mod storage;
 #[cfg(target_os = "none")]
 mod tick;
 #[cfg(target_os = "none")]
+mod wake;
+#[cfg(target_os = "none")]
 mod watchdog;
 
 #[cfg(target_os = "none")]
 use defmt_rtt as _;
+#[cfg(target_os = "none")]
+use twinrotor::parameters::Provenance;
 
 #[cfg(target_os = "none")]
 #[embassy_executor::main]
@@ -45,9 +59,9 @@ async fn main(spawner: embassy_executor::Spawner) {
     reset_record::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
     let (reports, commands) =
-        tick::start(board.port, &parameters, provenance, reset.map(|report| report.cause));
-    defmt::info!("{}: reset reported {}, {}", board::CHIP, reset.is_some(), provenance.name());
-    serial::start(spawner, board.serial, storage, parameters, reset, reports, commands);
+        tick::start(board.clock, board.port, &parameters, provenance, reset.map(|report| report.cause));
+    defmt::info!("{}: reset reported {}, parameters from flash {}", boards::BOARD.name, reset.is_some(), provenance == Provenance::Stored);
+    serial::start(spawner, board.serial, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
 

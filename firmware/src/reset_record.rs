@@ -1,7 +1,8 @@
-//! When the program must end: amplifiers off first, then a note for the next boot, then a reset.
+//! When the program must end: motors off first, then a note for the next boot, then a reset.
 
+use crate::port::{PlantPort, Port};
 use crate::shared::TICKS;
-use crate::{board, stack};
+use crate::stack;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -74,7 +75,7 @@ pub(crate) fn read_and_clear() -> Option<ResetReport> {
 
 /// Ends the program.
 fn end(cause: Condition, program_counter: u32) -> ! {
-    board::amplifiers_off();
+    Port::off();
     let code = (0..).zip(CAUSES).find(|&(_, known)| known == cause).map_or(u32::MAX, |(code, _)| code);
     let ticks = TICKS.load(Ordering::Relaxed);
     let check = MAGIC ^ code ^ program_counter ^ ticks;
@@ -125,9 +126,9 @@ mod hard_fault {
 
 /// Any fault: none of the others is enabled, so all of them arrive here.
 extern "C" fn fault(stack_pointer: u32) -> ! {
-    board::amplifiers_off();
+    Port::off();
     const STACKING_FAILED: u32 = 1 << 12 | 1 << 4;
-    /// [byte] Of an exception's frame, with the floating-point registers.
+    /// \[byte\] Of an exception's frame, with the floating-point registers.
     const FRAME: u32 = 104;
     let (start, end_of_stack) = stack::bounds();
     #[expect(unsafe_code, reason = "a register of the core")]

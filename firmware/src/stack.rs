@@ -6,7 +6,7 @@ use cortex_m::peripheral::MPU;
 
 /// What the start-up code paints the stack with.
 const PAINT: u32 = 0xCCCC_CCCC;
-/// [byte] No access here: a region of the MPU, so that an overflow faults before anything else happens.
+/// \[byte\] No access here: a region of the MPU, so that an overflow faults before anything else happens.
 const GUARD: u32 = 256;
 
 #[expect(unsafe_code, reason = "symbols of the linker's")]
@@ -15,7 +15,7 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// [byte address] The stack grows down from the first to the second.
+/// \[byte address\] The stack grows down from the first to the second.
 pub(crate) fn bounds() -> (u32, u32) {
     (&raw const _stack_start as u32, &raw const _stack_end as u32 + GUARD)
 }
@@ -40,7 +40,7 @@ pub(crate) fn guard() {
     cortex_m::asm::isb();
 }
 
-/// [byte] The most that was ever in use, and all there is. Past three quarters, the tick learns of it.
+/// \[byte\] The most that was ever in use, and all there is. Past three quarters, the tick learns of it.
 pub(crate) fn high_water() -> (u32, u32) {
     let (start, end) = bounds();
     let mut low = end;

@@ -3,28 +3,7 @@
 use crate::watchdog;
 use embassy_stm32::flash::{Bank1Region1, Blocking};
 use twinrotor::parameters::store::{AREA_OFFSET, MAX_PAYLOAD, SLOT_SIZE, Store};
-use twinrotor::parameters::{ParameterError, Parameters};
-
-/// Where the parameters in force come from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Provenance {
-    /// From flash.
-    Stored,
-    /// Nothing is stored: the defaults.
-    Missing,
-    /// What is stored cannot be used: the defaults.
-    Invalid,
-}
-
-impl Provenance {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Stored => "parameters from flash",
-            Self::Missing => "no parameters: defaults",
-            Self::Invalid => "invalid parameters: defaults",
-        }
-    }
-}
+use twinrotor::parameters::{ParameterError, Parameters, Provenance};
 
 /// The record store of sectors 1 to 3.
 pub(crate) struct Storage {
@@ -40,7 +19,8 @@ impl Storage {
         let (parameters, provenance) = match stored.map(|bytes| bytes.map(Parameters::decode)) {
             Ok(Some(Ok(parameters))) => (parameters, Provenance::Stored),
             Ok(None) => (defaults(), Provenance::Missing),
-            Ok(Some(Err(_))) | Err(_) => (defaults(), Provenance::Invalid),
+            Ok(Some(Err(error))) => (defaults(), Provenance::without(error)),
+            Err(_) => (defaults(), Provenance::Damaged),
         };
         (storage, parameters, provenance)
     }

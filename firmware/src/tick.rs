@@ -1,35 +1,36 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
-use crate::port::senses::Sensed;
-use crate::port::{EncoderPwmPort, PlantPort, amplifier};
+use crate::clock::{self, Clock};
+use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
-    COMMANDS, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
+    Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
     TICK_CYCLES_MAX, TICKS, VERDICTS, take,
 };
-use crate::storage::Provenance;
-use crate::{led, serial, watchdog};
+use crate::{led, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
 use cortex_m::peripheral::{DCB, DWT};
 use embassy_stm32::interrupt;
-use heapless::spsc::{Consumer, Producer, Queue};
+use heapless::spsc::{Producer, Queue};
 use static_cell::StaticCell;
 use twinrotor::axes::PerMotor;
-use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
+use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
-use twinrotor::parameters::Parameters;
+use twinrotor::parameters::{Parameters, Provenance};
 use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
-/// [cycles] More than this from one tick to the next, and one has been missed.
-const TOO_LATE: u32 = 168_000 * 3 / 2;
+/// \[cycles\] More than this from one tick to the next, and one has been missed.
+const TOO_LATE: u32 = clock::CYCLES * 3 / 2;
 
 /// What the interrupt owns beside the control loop.
-struct Tick {
-    port: EncoderPwmPort,
-    commands: Consumer<'static, OperatorCommand>,
+struct Tick<P> {
+    clock: Clock,
+    port: P,
+    commands: commands::Receiver<'static>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
     until_frame: u16,
@@ -52,19 +53,20 @@ struct OfTheInterrupt<T>(UnsafeCell<MaybeUninit<T>>);
 // `CONTROL` while the interrupt stands aside.
 unsafe impl<T> Sync for OfTheInterrupt<T> {}
 
-static TICK: OfTheInterrupt<Tick> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
+static TICK: OfTheInterrupt<Tick<Port>> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 static CONTROL: OfTheInterrupt<Control> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Starts the watchdog and the tick.
 pub(crate) fn start(
-    mut port: EncoderPwmPort,
+    clock: Clock,
+    mut port: Port,
     parameters: &Parameters,
     provenance: Provenance,
     reset_cause: Option<Condition>,
 ) -> (Reports, Commands) {
     static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
     static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
-    static COMMAND_QUEUE: StaticCell<Queue<OperatorCommand, COMMANDS>> = StaticCell::new();
+    static COMMAND_QUEUE: StaticCell<commands::Commands> = StaticCell::new();
     let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
     let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
     let (wish_end, commands) = COMMAND_QUEUE.init(Queue::new()).split();
@@ -73,12 +75,17 @@ pub(crate) fn start(
     // SAFETY: nobody else uses them now.
     unsafe {
         (*CONTROL.0.get()).write(Control {
-            core: ControlLoop::new(parameters, port.counters(), port.drive(), reset_cause),
-            standing: Conditions::NONE
-                .with(Condition::ParametersInvalid, provenance == Provenance::Invalid)
-                .with(Condition::ParametersMissing, provenance == Provenance::Missing),
+            core: ControlLoop::new(
+                parameters,
+                Port::COUNTER_WIDTH,
+                port.counters(),
+                port.drive(),
+                reset_cause,
+            ),
+            standing: provenance.conditions(),
         });
         (*TICK.0.get()).write(Tick {
+            clock,
             port,
             commands,
             frames,
@@ -89,7 +96,7 @@ pub(crate) fn start(
         });
     }
     watchdog::start();
-    amplifier::run();
+    clock.run();
     (Reports { frames: frame_end, verdicts: verdict_end }, wish_end)
 }
 
@@ -110,11 +117,11 @@ fn TIM1_UP_TIM10() {
     tick.run();
 }
 
-impl Tick {
+impl<P: PlantPort> Tick<P> {
     #[inline(always)]
     fn run(&mut self) {
         let begin = DWT::cycle_count();
-        amplifier::take_tick();
+        self.clock.take_tick();
         let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE;
         self.last_begin = begin;
         let sensed = self.port.sense();
@@ -130,7 +137,7 @@ impl Tick {
         if cycles > TICK_CYCLES_MAX.load(Ordering::Relaxed) {
             TICK_CYCLES_MAX.store(cycles, Ordering::Relaxed);
         }
-        self.overrun = amplifier::tick_due();
+        self.overrun = self.clock.tick_due();
         if sensed.fresh && !self.overrun && !missed {
             watchdog::feed();
         }
@@ -139,7 +146,8 @@ impl Tick {
     /// The core's tick, and what it has to report.
     #[inline(always)]
     fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
-        let command = self.commands.peek();
+        let disarm = take(&DISARM);
+        let command = commands::next(&mut self.commands, disarm);
         let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -151,12 +159,12 @@ impl Tick {
                 .with(Condition::TickOverrun, self.overrun | missed)
                 .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
             heard: take(&HEARD),
+            disarm,
             command,
         });
         self.port.write(outputs.duty, outputs.enable);
         if command.is_some() {
-            // What was peeked at is done with; nothing is moved.
-            let _ = self.commands.dequeue();
+            commands::done(&mut self.commands);
         }
         if let Some(verdict) = outputs.verdict {
             // There is one verdict a check, and checks take seconds: there is room.
@@ -175,7 +183,7 @@ impl Tick {
             if self.frames.enqueue(control.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
-            serial::wake();
+            wake::wake();
         }
     }
 }

@@ -86,16 +86,17 @@ pub struct Outputs {
 }
 
 impl ControlLoop {
-    /// Disarmed, or with the last reset's cause latched; no zero yet. `counters` is what the encoders show
-    /// now.
+    /// Disarmed, or with the last reset's cause latched; no zero yet. `counters` is what the encoders,
+    /// `width` wide, show now.
     pub fn new(
         parameters: &Parameters,
+        width: CounterWidth,
         counters: PerAxis<u32>,
         drive: Drive<f32>,
         reset_cause: Option<Condition>,
     ) -> Self {
         let encoders = counters.zip(parameters.encoders, |counter, scale| {
-            Encoder::new(CounterWidth::Bits16, scale.angle_per_count, counter, scale.rest_counts)
+            Encoder::new(width, scale.angle_per_count, counter, scale.rest_counts)
         });
         Self {
             tick: 0,
@@ -122,8 +123,9 @@ impl ControlLoop {
 
     /// Other parameters from now on, with the motors off: all starts afresh but the count of ticks.
     pub fn adopt(&mut self, parameters: &Parameters) {
+        let width = self.encoders.pitch.width();
         let counters = self.encoders.map(|encoder| encoder.reading());
-        let new = Self::new(parameters, counters, self.drive, None);
+        let new = Self::new(parameters, width, counters, self.drive, None);
         *self = Self { tick: self.tick, taken: self.taken, ..new };
     }
 

@@ -48,7 +48,13 @@ impl Flight {
         let bench = Bench::at_rest(rig, SAMPLE_TIME);
         Self {
             bench,
-            control: ControlLoop::new(&parameters, bench.counters(), Drive::new(rig.pwm_steps), None),
+            control: ControlLoop::new(
+                &parameters,
+                CounterWidth::Bits16,
+                bench.counters(),
+                Drive::new(rig.pwm_steps),
+                None,
+            ),
             parameters,
             supply: None,
             current_limit: false,

@@ -10,7 +10,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Bench, Encoders};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
-use twinrotor::encoder::angle_per_count;
+use twinrotor::encoder::{CounterWidth, angle_per_count};
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::{Push, REST_TICKS};
 use twinrotor::monitor::SUPPLY_TICKS;
@@ -166,7 +166,8 @@ impl BoardLoop {
             },
             checked: true,
         };
-        let control = ControlLoop::new(&parameters, bench.counters(), Drive::new(hardware.pwm_steps), None);
+        let drive = Drive::new(hardware.pwm_steps);
+        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
         let mut board = Self { bench, control };
         for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
             board.step(None);

@@ -1,21 +1,21 @@
-//! The way to the plant. Encoders and PWM amplifiers here; a rig with another interface is another
-//! [`PlantPort`].
+//! The way to the plant. The tick is written over [`PlantPort`]; a rig with another interface is another file
+//! here, and its name in [`Port`].
 
 pub(crate) mod amplifier;
+pub(crate) mod encoder_pwm;
 pub(crate) mod senses;
 
-use crate::board;
-use amplifier::Outputs;
-use embassy_stm32::gpio::Output;
-use embassy_stm32::peripherals::{TIM1, TIM2, TIM3};
-use embassy_stm32::timer::low_level::Timer;
-use embassy_stm32::timer::qei::Qei;
-use senses::{Sensed, Senses};
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::drive::{Drive, Duty, FULL_STEPS};
+use twinrotor::drive::{Drive, Duty};
+use twinrotor::encoder::CounterWidth;
+
+/// The port that this firmware is built for.
+pub(crate) type Port = encoder_pwm::EncoderPwmPort;
 
 /// What the tick needs of a rig.
 pub(crate) trait PlantPort {
+    /// At how many bits the encoders' counters wrap.
+    const COUNTER_WIDTH: CounterWidth;
     /// The motors' amplifiers, as the core's [`Drive`] sees them.
     fn drive(&self) -> Drive<f32>;
     /// What the encoders' counters show.
@@ -25,54 +25,20 @@ pub(crate) trait PlantPort {
     /// To be latched at the next tick. Without `enable` the motors are off at once and these count for
     /// nothing.
     fn write(&mut self, duty: PerMotor<Duty<f32>>, enable: bool);
+    /// Switches the motors off, whatever state the program is in: a panic, a fault and the emergency stop
+    /// call it from anywhere, in the middle of any other of these.
+    fn off();
 }
 
-/// Two quadrature encoders on timers, two PWM amplifiers with a common enable pin.
-pub(crate) struct EncoderPwmPort {
-    _timer: Timer<'static, TIM1>,
-    _outputs: Outputs,
-    _enable: Output<'static>,
-    pitch: Qei<'static, TIM2>,
-    yaw: Qei<'static, TIM3>,
-    senses: Senses,
-}
-
-impl EncoderPwmPort {
-    /// Everything set up, motors off, the PWM's timer not yet running.
-    pub(crate) fn start(
-        timer: Timer<'static, TIM1>,
-        outputs: Outputs,
-        enable: Output<'static>,
-        pitch: Qei<'static, TIM2>,
-        yaw: Qei<'static, TIM3>,
-        senses: Senses,
-    ) -> Self {
-        amplifier::configure();
-        Self { _timer: timer, _outputs: outputs, _enable: enable, pitch, yaw, senses }
-    }
-}
-
-impl PlantPort for EncoderPwmPort {
-    fn drive(&self) -> Drive<f32> {
-        Drive::new(FULL_STEPS)
-    }
-
-    fn counters(&mut self) -> PerAxis<u32> {
-        PerAxis::new(self.pitch.count().into(), self.yaw.count().into())
-    }
-
-    fn sense(&mut self) -> Sensed {
-        self.senses.read()
-    }
-
-    fn write(&mut self, duty: PerMotor<Duty<f32>>, enable: bool) {
-        if enable {
-            amplifier::set(duty.map(Duty::steps));
-            amplifier::outputs_on();
-            board::enable_pin(true);
-        } else {
-            board::amplifiers_off();
-            amplifier::set(PerMotor::both(0));
-        }
-    }
+/// One tick's view.
+#[derive(Clone, Copy)]
+pub(crate) struct Sensed {
+    /// \[V\] Supply of the amplifiers, measured since the last tick.
+    pub(crate) supply: f32,
+    /// All that is sensed is new, and the encoders are being counted.
+    pub(crate) fresh: bool,
+    /// Pressed, or its cable broken, now or at any time since the last tick.
+    pub(crate) emergency_stop: bool,
+    /// The amplifiers limit the current or are at fault.
+    pub(crate) current_limit: bool,
 }

@@ -20,7 +20,7 @@ pub struct Firmware {
     symbols: BTreeMap<String, (u64, u64)>,
     /// Executable bytes by address.
     code: BTreeMap<u64, Vec<u8>>,
-    /// [bytes] that the flash and the RAM take.
+    /// \[bytes\] that the flash and the RAM take.
     flash_size: u64,
     ram_size: u64,
     compiler: String,
@@ -143,12 +143,12 @@ impl Firmware {
         &self.bytes
     }
 
-    /// [bytes] of flash that the image takes.
+    /// \[bytes\] of flash that the image takes.
     pub fn flash_size(&self) -> u64 {
         self.flash_size
     }
 
-    /// [bytes] of RAM that its statics take, the stack aside.
+    /// \[bytes\] of RAM that its statics take, the stack aside.
     pub fn ram_size(&self) -> u64 {
         self.ram_size
     }
@@ -163,7 +163,7 @@ impl Firmware {
         self.symbols.get(name).map(|&(address, _)| address)
     }
 
-    /// [bytes] Every symbol's name and size, and whether it lies in RAM.
+    /// \[bytes\] Every symbol's name and size, and whether it lies in RAM.
     pub fn sizes(&self) -> impl Iterator<Item = (&str, u64, bool)> {
         self.symbols.iter().map(|(name, &(address, size))| (name.as_str(), size, address >= RAM))
     }

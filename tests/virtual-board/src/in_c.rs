@@ -28,7 +28,7 @@ pub struct InC {
 pub const SAME_BITS: [&str; 2] = ["-O2 -ffp-contract=off", "-O3 -ffp-contract=off"];
 /// Options with which it fuses multiplications into additions: fewer instructions, and other bits.
 pub const FUSED: [&str; 2] = ["-O2", "-O3"];
-/// [instructions] What it took with either of [`SAME_BITS`] and version 12.2.1, for where there is no such
+/// \[instructions\] What it took with either of [`SAME_BITS`] and version 12.2.1, for where there is no such
 /// compiler.
 pub const KEPT: u64 = 141;
 

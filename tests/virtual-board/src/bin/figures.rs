@@ -76,7 +76,7 @@ fn flying(firmware: &Firmware, rig: &Rig, parameters: Parameters) -> Result<Stat
     Ok(station)
 }
 
-/// [bytes] What each crate takes of flash and RAM, the core and the firmware by module.
+/// \[bytes\] What each crate takes of flash and RAM, the core and the firmware by module.
 fn modules(firmware: &Firmware) -> BTreeMap<String, [u64; 2]> {
     let mut sizes = BTreeMap::<String, [u64; 2]>::new();
     for (name, size, in_ram) in firmware.sizes() {

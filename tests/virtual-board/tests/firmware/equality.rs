@@ -5,6 +5,7 @@
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive as Amplifier;
+use twinrotor::encoder::CounterWidth;
 use twinrotor::first_power::Verdict;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
@@ -41,7 +42,7 @@ impl Host {
         let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
         let helicopter = Helicopter::new(rig, supply);
         let drive = Amplifier::new(rig.pwm_steps);
-        let control = ControlLoop::new(parameters, helicopter.counters(), drive, None);
+        let control = ControlLoop::new(parameters, CounterWidth::Bits16, helicopter.counters(), drive, None);
         let supply = helicopter.measured_supply();
         Self { helicopter, control, before_last: None, drive, supply, before: None }
     }

@@ -1,0 +1,261 @@
+//! The boards that this firmware is built for, a file each: clocks, pins, the supply's divider, the probe's
+//! name for the chip. Nothing else in the firmware knows a number or a pin of a board.
+//!
+//! A board is a [`Board`] and a `wiring!` that says what is connected where. All of it is constant data,
+//! which the tests on the host read too; on the target, `wiring!` also hands out the pins by their type, so
+//! that a pin which cannot do what it is named for does not compile.
+
+use twinrotor::drive::{PWM_HZ, full_steps};
+
+/// What differs between boards.
+pub(crate) struct Board {
+    /// Its feature's name, and that of its file.
+    pub(crate) name: &'static str,
+    /// The chip, as the board tells it to a host.
+    pub(crate) chip: &'static str,
+    /// The chip, as probe-rs knows it. `.cargo/config.toml` says it to probe-rs.
+    #[cfg_attr(target_os = "none", expect(dead_code, reason = "a test compares it with .cargo/config.toml"))]
+    pub(crate) probe_chip: &'static str,
+    /// Where its clocks come from.
+    pub(crate) clocks: Clocks,
+    /// \[ns\] Between the two outputs of a half bridge, neither is on.
+    pub(crate) dead_time_ns: u32,
+    /// ADC1's channel at [`Wiring::supply`], 10 to 15.
+    pub(crate) supply_channel: u8,
+    /// \[V\] The amplifiers' supply at the converter's full scale.
+    pub(crate) supply_full_scale: f32,
+    /// What is connected where.
+    pub(crate) wiring: Wiring,
+}
+
+impl Board {
+    /// \[counts\] Half a PWM period, centre-aligned.
+    #[expect(clippy::cast_possible_truncation, reason = "asserted")]
+    pub(crate) const fn pwm_top(&self) -> u16 {
+        let top = self.clocks.pwm_timer_hz() / PWM_HZ / 2;
+        assert!(
+            top <= u16::MAX as u32 && top.is_multiple_of(2) && top * PWM_HZ * 2 == self.clocks.pwm_timer_hz()
+        );
+        top as u16
+    }
+
+    /// Compare steps from zero to the full supply.
+    pub(crate) const fn full_steps(&self) -> u32 {
+        full_steps(self.clocks.pwm_timer_hz())
+    }
+
+    /// \[counts\] The dead time, in periods of the PWM's timer (reference manual RM0090, 17.4.18: DTG up to
+    /// 127 counts them).
+    #[expect(clippy::cast_possible_truncation, reason = "asserted")]
+    pub(crate) const fn dead_time(&self) -> u8 {
+        let counts = self.clocks.pwm_timer_hz() / 1_000_000 * self.dead_time_ns / 1_000;
+        assert!(counts > 0 && counts < 128);
+        counts as u8
+    }
+}
+
+/// From the source to the core and the buses: core = source / `divide` x `multiply` / `post_divide`.
+pub(crate) struct Clocks {
+    /// What swings.
+    pub(crate) source: Source,
+    /// \[Hz\] At which frequency.
+    pub(crate) source_hz: u32,
+    /// The PLL's input divider, 2 to 63.
+    pub(crate) divide: u8,
+    /// Its multiplier, 50 to 432.
+    pub(crate) multiply: u16,
+    /// Its output divider: 2, 4, 6 or 8.
+    pub(crate) post_divide: u8,
+    /// The divider to the slow peripherals' bus: 1, 2, 4, 8 or 16.
+    pub(crate) apb1_divide: u8,
+    /// The divider to the fast peripherals' bus, of the PWM's timer.
+    pub(crate) apb2_divide: u8,
+}
+
+impl Clocks {
+    /// \[Hz\] Of the core.
+    pub(crate) const fn core_hz(&self) -> u32 {
+        self.source_hz / self.divide as u32 * self.multiply as u32 / self.post_divide as u32
+    }
+
+    /// \[Hz\] Of TIM1: twice its bus, unless the bus is as fast as the core (RM0090, 7.2).
+    pub(crate) const fn pwm_timer_hz(&self) -> u32 {
+        let bus = self.core_hz() / self.apb2_divide as u32;
+        if self.apb2_divide == 1 { bus } else { 2 * bus }
+    }
+}
+
+/// A board's high-speed clock. A board's file names the one it has.
+#[cfg_attr(target_os = "none", expect(dead_code, reason = "other boards have the other"))]
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// A crystal at the chip's two pins.
+    Crystal,
+    /// A clock that another chip feeds in.
+    External,
+}
+
+/// What is connected where, by the chip's names: `PA0` is pin 0 of port A.
+#[cfg_attr(
+    target_os = "none",
+    expect(dead_code, reason = "most are used by their type; tests read the names")
+)]
+pub(crate) struct Wiring {
+    /// A timer that counts both edges of both channels: pitch.
+    pub(crate) pitch_timer: &'static str,
+    /// The same: yaw.
+    pub(crate) yaw_timer: &'static str,
+    /// The serial link to the host.
+    pub(crate) serial: &'static str,
+    /// Its DMA stream to the host.
+    pub(crate) serial_out_dma: &'static str,
+    /// Its DMA stream from the host.
+    pub(crate) serial_in_dma: &'static str,
+    /// Serial output.
+    pub(crate) serial_out: &'static str,
+    /// Serial input.
+    pub(crate) serial_in: &'static str,
+    /// Pitch encoder, channel A.
+    pub(crate) pitch_a: &'static str,
+    /// Pitch encoder, channel B.
+    pub(crate) pitch_b: &'static str,
+    /// Yaw encoder, channel A.
+    pub(crate) yaw_a: &'static str,
+    /// Yaw encoder, channel B.
+    pub(crate) yaw_b: &'static str,
+    /// Main motor's PWM: TIM1 channel 1.
+    pub(crate) main: &'static str,
+    /// Its complement, for locked antiphase.
+    pub(crate) main_complement: &'static str,
+    /// Main motor's other direction, for sign and magnitude: TIM1 channel 3.
+    pub(crate) main_reverse: &'static str,
+    /// Tail motor's PWM: TIM1 channel 2.
+    pub(crate) tail: &'static str,
+    /// Its complement, for locked antiphase.
+    pub(crate) tail_complement: &'static str,
+    /// Tail motor's other direction, for sign and magnitude: TIM1 channel 4.
+    pub(crate) tail_reverse: &'static str,
+    /// The amplifiers' enable input: high is on.
+    pub(crate) enable: &'static str,
+    /// TIM1's break input, on a line of EXTI from 10 to 15: high, or cut, is stop.
+    pub(crate) emergency_stop: &'static str,
+    /// The amplifiers' fault or current limit: low.
+    pub(crate) current_limit: &'static str,
+    /// The amplifiers' supply, divided.
+    pub(crate) supply: &'static str,
+    /// The status LED: high is on.
+    pub(crate) led: &'static str,
+}
+
+/// A pin, by numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Pin {
+    /// Its port: 0 is A.
+    pub(crate) port: u8,
+    /// 0 to 15.
+    pub(crate) number: u8,
+}
+
+impl Pin {
+    /// From its name: `PB12`.
+    pub(crate) const fn named(name: &str) -> Self {
+        let bytes = name.as_bytes();
+        assert!(bytes[0] == b'P' && bytes.len() >= 3 && bytes.len() <= 4);
+        let mut number = bytes[2] - b'0';
+        if bytes.len() == 4 {
+            number = 10 * number + (bytes[3] - b'0');
+        }
+        assert!(number < 16);
+        Self { port: bytes[1] - b'A', number }
+    }
+}
+
+/// What is connected where: a constant of names, and on the target the pins and peripherals themselves.
+macro_rules! wiring {
+    (
+        pitch_timer: $pitch:ident, yaw_timer: $yaw:ident,
+        serial: $serial:ident,
+        serial_out_dma: $out:ident ($out_stream:ident), serial_in_dma: $in:ident ($in_stream:ident),
+        $($what:ident: $pin:ident),* $(,)?
+    ) => {
+        const WIRING: super::Wiring = super::Wiring {
+            pitch_timer: stringify!($pitch),
+            yaw_timer: stringify!($yaw),
+            serial: stringify!($serial),
+            serial_out_dma: stringify!($out),
+            serial_in_dma: stringify!($in),
+            $($what: stringify!($pin)),*
+        };
+
+        #[cfg(target_os = "none")]
+        pub(crate) use on_chip::*;
+
+        #[cfg(target_os = "none")]
+        mod on_chip {
+            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, pac, peripherals, usart};
+
+            pub(crate) type PitchTimer = peripherals::$pitch;
+            pub(crate) type YawTimer = peripherals::$yaw;
+
+            bind_interrupts!(pub(crate) struct SerialInterrupts {
+                $serial => usart::InterruptHandler<peripherals::$serial>;
+                $out_stream => dma::InterruptHandler<peripherals::$out>;
+                $in_stream => dma::InterruptHandler<peripherals::$in>;
+            });
+
+            /// Does each encoder's timer count?
+            pub(crate) fn encoders_count() -> bool {
+                pac::$pitch.cr1().read().cen() && pac::$yaw.cr1().read().cen()
+            }
+
+            /// Has all channels of the encoders filtered alike.
+            pub(crate) fn filter_encoders(filter: pac::timer::vals::FilterValue) {
+                pac::$pitch.ccmr_input(0).modify(|w| (0..2).for_each(|channel| w.set_icf(channel, filter)));
+                pac::$yaw.ccmr_input(0).modify(|w| (0..2).for_each(|channel| w.set_icf(channel, filter)));
+            }
+
+            /// What the board's wiring needs of the chip.
+            pub(crate) struct Parts {
+                pub(crate) pwm_timer: Peri<'static, peripherals::TIM1>,
+                pub(crate) adc: Peri<'static, peripherals::ADC1>,
+                pub(crate) flash: Peri<'static, peripherals::FLASH>,
+                pub(crate) pitch_timer: Peri<'static, PitchTimer>,
+                pub(crate) yaw_timer: Peri<'static, YawTimer>,
+                pub(crate) serial: Peri<'static, peripherals::$serial>,
+                pub(crate) serial_out_dma: Peri<'static, peripherals::$out>,
+                pub(crate) serial_in_dma: Peri<'static, peripherals::$in>,
+                $(pub(crate) $what: Peri<'static, peripherals::$pin>),*
+            }
+
+            impl Parts {
+                pub(crate) fn of(chip: Peripherals) -> Self {
+                    Self {
+                        pwm_timer: chip.TIM1,
+                        adc: chip.ADC1,
+                        flash: chip.FLASH,
+                        pitch_timer: chip.$pitch,
+                        yaw_timer: chip.$yaw,
+                        serial: chip.$serial,
+                        serial_out_dma: chip.$out,
+                        serial_in_dma: chip.$in,
+                        $($what: chip.$pin),*
+                    }
+                }
+            }
+        }
+    };
+}
+
+#[cfg(any(feature = "f405", not(target_os = "none")))]
+pub(crate) mod f405;
+#[cfg(any(feature = "f407", not(target_os = "none")))]
+pub(crate) mod f407;
+#[cfg(any(feature = "nucleo-f446", not(target_os = "none")))]
+pub(crate) mod nucleo_f446;
+
+#[cfg(all(target_os = "none", feature = "f405"))]
+pub(crate) use f405::*;
+#[cfg(all(target_os = "none", feature = "f407"))]
+pub(crate) use f407::*;
+#[cfg(all(target_os = "none", feature = "nucleo-f446"))]
+pub(crate) use nucleo_f446::*;

@@ -1,0 +1,45 @@
+//! The pins that are read and written by themselves, not by a peripheral.
+
+use crate::boards::{BOARD, Pin};
+use embassy_stm32::pac;
+use embassy_stm32::pac::gpio::vals::Idr;
+
+/// The emergency stop.
+pub(crate) const EMERGENCY_STOP: Pin = Pin::named(BOARD.wiring.emergency_stop);
+const CURRENT_LIMIT: Pin = Pin::named(BOARD.wiring.current_limit);
+const ENABLE: Pin = Pin::named(BOARD.wiring.enable);
+
+/// The registers of a pin's port.
+const fn port(pin: Pin) -> pac::gpio::Gpio {
+    match pin.port {
+        0 => pac::GPIOA,
+        1 => pac::GPIOB,
+        2 => pac::GPIOC,
+        3 => pac::GPIOD,
+        _ => panic!("a port that not all chips have"),
+    }
+}
+
+#[inline(always)]
+fn level(pin: Pin) -> Idr {
+    port(pin).idr().read().idr(usize::from(pin.number))
+}
+
+/// The amplifiers' enable pin: on or off.
+#[inline(always)]
+pub(crate) fn enable_amplifiers(on: bool) {
+    let number = usize::from(ENABLE.number);
+    port(ENABLE).bsrr().write(|w| if on { w.set_bs(number, true) } else { w.set_br(number, true) });
+}
+
+/// Is the emergency stop pressed, or its cable broken?
+#[inline(always)]
+pub(crate) fn emergency_stop() -> bool {
+    level(EMERGENCY_STOP) == Idr::HIGH
+}
+
+/// Do the amplifiers limit the current, or are they at fault?
+#[inline(always)]
+pub(crate) fn current_limit() -> bool {
+    level(CURRENT_LIMIT) == Idr::LOW
+}

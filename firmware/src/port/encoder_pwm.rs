@@ -1,0 +1,64 @@
+//! Two quadrature encoders on timers, two PWM amplifiers with a common enable pin.
+
+use super::amplifier::{self, Outputs};
+use super::senses::Senses;
+use super::{PlantPort, Sensed};
+use crate::boards::{PitchTimer, YawTimer};
+use embassy_stm32::gpio::Output;
+use embassy_stm32::timer::qei::Qei;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::drive::{Drive, Duty};
+use twinrotor::encoder::CounterWidth;
+
+/// A rig whose motors and encoders are wired to the board.
+pub(crate) struct EncoderPwmPort {
+    pitch: Qei<'static, PitchTimer>,
+    yaw: Qei<'static, YawTimer>,
+    senses: Senses,
+    _outputs: Outputs,
+    _enable: Output<'static>,
+}
+
+impl EncoderPwmPort {
+    /// Everything set up, motors off. The timer of the outputs is the clock's, which comes first.
+    pub(crate) fn start(
+        outputs: Outputs,
+        enable: Output<'static>,
+        pitch: Qei<'static, PitchTimer>,
+        yaw: Qei<'static, YawTimer>,
+        senses: Senses,
+    ) -> Self {
+        amplifier::configure();
+        Self { pitch, yaw, senses, _outputs: outputs, _enable: enable }
+    }
+}
+
+impl PlantPort for EncoderPwmPort {
+    const COUNTER_WIDTH: CounterWidth = CounterWidth::Bits16;
+
+    fn drive(&self) -> Drive<f32> {
+        Drive::new(amplifier::FULL_STEPS)
+    }
+
+    fn counters(&mut self) -> PerAxis<u32> {
+        PerAxis::new(self.pitch.count().into(), self.yaw.count().into())
+    }
+
+    fn sense(&mut self) -> Sensed {
+        self.senses.read()
+    }
+
+    fn write(&mut self, duty: PerMotor<Duty<f32>>, enable: bool) {
+        if enable {
+            amplifier::set(duty.map(Duty::steps));
+            amplifier::on();
+        } else {
+            amplifier::off();
+            amplifier::set(PerMotor::both(0));
+        }
+    }
+
+    fn off() {
+        amplifier::off();
+    }
+}

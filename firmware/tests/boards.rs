@@ -1,0 +1,170 @@
+//! The boards' files, read as data: clocks, pins and names that fit each other, the host and the documents.
+
+#[path = "../src/boards/mod.rs"]
+mod boards;
+
+use boards::{Board, Pin, Source, f405, f407, nucleo_f446};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use twinrotor::plant::presets;
+
+const ALL: [Board; 3] = [f405::BOARD, f407::BOARD, nucleo_f446::BOARD];
+
+fn read(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path))
+        .expect("a file of the tree")
+}
+
+/// Signal and pin, for every pin.
+fn pins(board: &Board) -> Vec<(&'static str, &'static str)> {
+    let w = &board.wiring;
+    vec![
+        ("serial out", w.serial_out),
+        ("serial in", w.serial_in),
+        ("pitch A", w.pitch_a),
+        ("pitch B", w.pitch_b),
+        ("yaw A", w.yaw_a),
+        ("yaw B", w.yaw_b),
+        ("main", w.main),
+        ("main's complement", w.main_complement),
+        ("main reverse", w.main_reverse),
+        ("tail", w.tail),
+        ("tail's complement", w.tail_complement),
+        ("tail reverse", w.tail_reverse),
+        ("enable", w.enable),
+        ("emergency stop", w.emergency_stop),
+        ("current limit", w.current_limit),
+        ("supply", w.supply),
+        ("LED", w.led),
+    ]
+}
+
+/// STM32F405 and F446 datasheets: 168 (180) MHz core, 42 (45) and 84 (90) MHz buses; reference manual RM0090,
+/// 7.3.2: 1 to 2 MHz into the PLL, 100 to 432 MHz (192 on early chips) within.
+#[test]
+fn clocks_are_whole_and_within_the_chips_limits() {
+    for board in ALL {
+        let (name, c) = (board.name, &board.clocks);
+        let input = c.source_hz / u32::from(c.divide);
+        let inside = input * u32::from(c.multiply);
+        assert!((1_000_000..=2_000_000).contains(&input), "{name}: {input} Hz into the PLL");
+        assert!((192_000_000..=432_000_000).contains(&inside), "{name}: {inside} Hz in the PLL");
+        assert_eq!(input * u32::from(c.divide), c.source_hz, "{name}");
+        assert!(
+            [2, 4, 6, 8].contains(&c.post_divide) && inside.is_multiple_of(c.post_divide.into()),
+            "{name}"
+        );
+        assert!(c.core_hz() <= 168_000_000 && c.core_hz().is_multiple_of(1_000_000), "{name}");
+        assert!(c.core_hz() / u32::from(c.apb1_divide) <= 42_000_000, "{name}");
+        assert!(c.core_hz() / u32::from(c.apb2_divide) <= 84_000_000, "{name}");
+    }
+}
+
+#[test]
+fn a_nucleo_board_is_fed_and_the_others_have_a_crystal() {
+    for board in ALL {
+        let fed = board.name.starts_with("nucleo");
+        assert_eq!(board.clocks.source == Source::External, fed, "{}", board.name);
+    }
+}
+
+#[test]
+fn the_pwm_is_what_the_host_simulates() {
+    for board in ALL {
+        assert_eq!(u32::from(board.pwm_top()), 2 * board.full_steps(), "{}", board.name);
+        for (preset, rig) in presets::ALL {
+            assert_eq!(board.full_steps(), rig.pwm_steps, "{}, {preset}", board.name);
+        }
+        let timer_hz = f64::from(board.clocks.pwm_timer_hz());
+        let dead_time = f64::from(board.dead_time()) / timer_hz * 1e9;
+        assert!(
+            (dead_time - f64::from(board.dead_time_ns)).abs() < 1e9 / timer_hz,
+            "{}: {dead_time} ns",
+            board.name
+        );
+    }
+}
+
+#[test]
+fn every_pin_has_one_signal_and_no_probe_on_it() {
+    for board in ALL {
+        let pins = pins(&board);
+        let places: BTreeSet<_> =
+            pins.iter().map(|&(_, pin)| (Pin::named(pin).port, Pin::named(pin).number)).collect();
+        assert_eq!(places.len(), pins.len(), "{}: two signals on one pin", board.name);
+        for taken in ["PA13", "PA14"] {
+            let probe = Pin::named(taken);
+            assert!(!places.contains(&(probe.port, probe.number)), "{}: {taken} is the probe's", board.name);
+        }
+        // The interrupt of EXTI lines 10 to 15 is the one that is listened to.
+        assert!(Pin::named(board.wiring.emergency_stop).number >= 10, "{}", board.name);
+        // STM32F4 datasheets: ADC1's channels 10 to 15 are PC0 to PC5.
+        let supply = Pin::named(board.wiring.supply);
+        assert_eq!((supply.port, supply.number + 10), (2, board.supply_channel), "{}", board.name);
+    }
+}
+
+#[test]
+fn cargo_has_a_command_to_build_lint_and_program_each() {
+    let config = read(".cargo/config.toml");
+    let words: Vec<&str> = config.split_whitespace().collect();
+    let config = words.join(" ");
+    assert!(
+        config.contains(&format!("PROBE_RS_CHIP = \"{}\"", f405::BOARD.probe_chip)),
+        "cargo fw-run's chip"
+    );
+    for board in ALL.iter().skip(1) {
+        let Board { name, probe_chip, .. } = board;
+        for alias in ["fw", "fw-run", "fw-clippy"] {
+            let (_, line) = config.split_once(&format!("{alias}-{name} = ")).expect("an alias for the board");
+            let line = line.split("\"\"\"").nth(1).expect("its words");
+            assert!(
+                line.contains(&format!("--no-default-features --features {name} ")),
+                "{alias}-{name}: {line}"
+            );
+            let programs = line.contains(&format!("--config env.PROBE_RS_CHIP='{probe_chip}'"));
+            assert_eq!(programs, alias == "fw-run", "{alias}-{name}: {line}");
+        }
+    }
+}
+
+#[test]
+fn the_wiring_table_has_every_pin() {
+    let document = read("docs/wiring.md");
+    for board in ALL {
+        for (signal, pin) in pins(&board) {
+            assert!(document.contains(pin), "{}: docs/wiring.md lacks {pin}, {signal}", board.name);
+        }
+    }
+}
+
+/// RM0090, 18.3.12: TIM2 to TIM5 count encoders. TIM1 has the PWM, TIM12 the program's time.
+#[test]
+fn every_peripheral_has_one_use() {
+    for Board { name, wiring: w, .. } in &ALL {
+        let encoders = ["TIM2", "TIM3", "TIM4", "TIM5"];
+        assert!(encoders.contains(&w.pitch_timer) && encoders.contains(&w.yaw_timer), "{name}");
+        assert_ne!(w.pitch_timer, w.yaw_timer, "{name}");
+        assert!(w.serial.starts_with("USART"), "{name}: {}", w.serial);
+        assert_ne!(w.serial_out_dma, w.serial_in_dma, "{name}");
+    }
+}
+
+#[test]
+fn the_chip_told_is_the_chip_programmed() {
+    for Board { name, chip, probe_chip, .. } in &ALL {
+        assert!(probe_chip.to_lowercase().starts_with(chip), "{name}: {chip}, {probe_chip}");
+    }
+}
+
+/// A supply beyond the converter's range would read as one within.
+#[test]
+fn the_converter_sees_more_than_any_rig_may_have() {
+    for board in ALL {
+        for (preset, rig) in presets::ALL {
+            let most = rig.volts_limit.main.max(rig.volts_limit.tail);
+            assert!(f64::from(board.supply_full_scale) > 1.25 * most, "{}, {preset}: {most} V", board.name);
+        }
+    }
+}
