@@ -60,7 +60,12 @@ async fn main(spawner: embassy_executor::Spawner) {
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
     let (reports, commands) =
         tick::start(board.clock, board.port, &parameters, provenance, reset.map(|report| report.cause));
-    defmt::info!("{}: reset reported {}, parameters from flash {}", boards::BOARD.name, reset.is_some(), provenance == Provenance::Stored);
+    defmt::info!(
+        "{}: reset reported {}, parameters from flash {}",
+        boards::BOARD.name,
+        reset.is_some(),
+        provenance == Provenance::Stored
+    );
     serial::start(spawner, board.serial, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
