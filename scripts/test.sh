@@ -12,7 +12,5 @@ toolchain="$(scripts/setup-target.sh)"
 firmware() { RUSTUP_TOOLCHAIN="$toolchain" cargo fw "$@"; }
 stage "firmware" firmware
 stage "firmware, sign and magnitude" firmware --features sign-magnitude --target-dir target/sign-magnitude
-stage "tests of the firmware as a file" cargo test -p firmware
-
-cd tests/virtual-board
-stage "tests on the virtual board" cargo test --release --ignore-rust-version
+stage "tests of the firmware as a file" cargo fw-test
+stage "tests on the virtual board" cargo board-test

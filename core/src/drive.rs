@@ -12,10 +12,6 @@ pub const fn full_steps(timer_hz: u32) -> u32 {
     timer_hz / PWM_HZ / 2 / 2
 }
 
-/// \[steps\] On the boards that the firmware knows, whose timers all count at 168 MHz; the presets' too. The
-/// firmware does not compile for a board that has others.
-pub const FULL_STEPS: u32 = full_steps(168_000_000);
-
 /// A PWM amplifier for each motor: `full_steps` compare steps from zero to the supply, either way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<R> {
@@ -73,6 +69,7 @@ impl Duty<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::presets::PWM_STEPS;
     use proptest::prelude::*;
 
     proptest! {
@@ -80,7 +77,7 @@ mod tests {
         fn within_half_a_step_and_never_beyond_the_supply(
             main in -60.0_f32..60.0, tail in -60.0_f32..60.0, supply in 10.0_f32..30.0,
         ) {
-            let drive = Drive::<f32>::new(FULL_STEPS);
+            let drive = Drive::<f32>::new(PWM_STEPS);
             let asked = PerMotor::new(main, tail);
             let duty = drive.duty(asked, supply);
             let given = drive.volts(duty, supply);
@@ -96,7 +93,7 @@ mod tests {
 
     #[test]
     fn nothing_that_is_not_finite_reaches_a_duty() {
-        let drive = Drive::<f32>::new(FULL_STEPS);
+        let drive = Drive::<f32>::new(PWM_STEPS);
         let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
         for b in bad {
             assert_eq!(drive.duty(PerMotor::new(b, 12.0), 24.0).main.steps(), 0);

@@ -6,7 +6,7 @@
 //! disturbance.
 
 use crate::axes::{PerAxis, PerMotor};
-use crate::plant::{Effectiveness, PlantParameters};
+use crate::plant::{PlantParameters, RotorTorque, follow, tustin_decay};
 use crate::real::{Mask, Real};
 
 /// First-order lag for each motor, and the torque of what is in effect.
@@ -14,32 +14,25 @@ use crate::real::{Mask, Real};
 pub struct RotorModel<R> {
     /// What is left of a difference after one tick: (2τ - T)/(2τ + T), at least 0.
     keep: PerMotor<R>,
-    linear: Effectiveness<R>,
-    /// Thrust that grows with the square and reaction torque: computed only where the model has them.
-    extra: Option<Extra<R>>,
+    /// Its reaction goes with the volts that the volts in effect gain in a tick: r/T for each.
+    torque: RotorTorque<R>,
+    /// Has it no more than thrust in proportion to volts? Then nothing else is computed.
+    linear: bool,
     volts: PerMotor<R>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Extra<R> {
-    quadratic: Effectiveness<R>,
-    /// \[N m/V\] Reaction torque for each volt that the volts in effect gain in a tick, r/T.
-    reaction: PerMotor<R>,
 }
 
 impl<R: Real> RotorModel<R> {
     /// At rest; `sample_time` \[s\].
     pub fn new(model: &PlantParameters<R>, sample_time: R) -> Self {
-        let keep = |tau: R| ((tau + tau - sample_time) / (tau + tau + sample_time)).max(R::zero());
         let q = &model.quadratic_effectiveness;
         let r = &model.rotor_reaction;
         let present = [q.main_on_pitch, q.tail_on_pitch, q.main_on_yaw, q.tail_on_yaw, r.main, r.tail]
             .into_iter()
             .any(|x| R::zero().lt(x.abs()).any());
         Self {
-            keep: model.rotor_time_constant.map(keep),
-            linear: model.effectiveness,
-            extra: present.then(|| Extra { quadratic: *q, reaction: r.map(|r| r / sample_time) }),
+            keep: model.rotor_time_constant.map(|tau| tustin_decay(sample_time, tau)),
+            torque: RotorTorque::new(model, r.map(|r| r / sample_time)),
+            linear: !present,
             volts: PerMotor::zero(),
         }
     }
@@ -55,17 +48,13 @@ impl<R: Real> RotorModel<R> {
     #[inline(always)]
     pub fn advance(&mut self, applied: PerMotor<R>) -> PerAxis<R> {
         let before = self.volts;
-        let missing = self.keep.zip(before.minus(applied), |a, m| a * m);
-        self.volts = applied.plus(missing);
+        self.volts = follow(before, applied, self.keep);
         let mean = before.plus(self.volts).scaled(R::from_f64(0.5));
-        let torque = self.linear.torque(mean);
-        let Some(extra) = &self.extra else {
-            return torque;
-        };
-        let gained = extra.reaction.zip(self.volts.minus(before), |r, v| r * v);
-        let reaction = PerAxis { pitch: gained.tail, yaw: gained.main };
-        let squared = extra.quadratic.torque(mean.map(|v| v * v.abs()));
-        torque.plus(squared).plus(reaction)
+        if self.linear {
+            self.torque.linear(mean)
+        } else {
+            self.torque.torque(mean, self.volts.minus(before))
+        }
     }
 }
 

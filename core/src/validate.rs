@@ -1,5 +1,6 @@
 //! What is wrong with a number, said so that the person at the keyboard can mend it.
 
+use crate::axes::PerAxis;
 use crate::real::Real;
 use core::fmt;
 
@@ -51,4 +52,16 @@ pub(crate) fn require<R: Real<Mask = bool>>(
     allowed: &'static str,
 ) -> Result<(), Invalid<R>> {
     if value.is_finite() && holds { Ok(()) } else { Err(Invalid { field, value, allowed }) }
+}
+
+/// Requires that `check` holds for both, each under its own name.
+#[inline(never)]
+pub(crate) fn both<R: Real<Mask = bool>>(
+    fields: [&'static str; 2],
+    values: PerAxis<R>,
+    check: fn(&'static str, R) -> Result<(), Invalid<R>>,
+) -> Result<(), Invalid<R>> {
+    let [pitch, yaw] = fields;
+    check(pitch, values.pitch)?;
+    check(yaw, values.yaw)
 }

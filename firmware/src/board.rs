@@ -67,7 +67,6 @@ pub(crate) fn start() -> Board {
     let port = Port::start(outputs, enable, pitch, yaw, senses);
 
     let mut config = usart::Config::default();
-    // Without error from a bus of 42 MHz.
     config.baudrate = twinrotor::link::BAUD;
     let serial = Uart::new(
         parts.serial,

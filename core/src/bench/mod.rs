@@ -46,7 +46,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     pub fn new(plant: RealPlant<R>, hardware: &Hardware) -> Self {
         let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
         Self {
-            position: encoders.counts(plant.state().angle).map(whole),
+            position: encoders.counts(plant.state().angle).map(to_integer),
             plant,
             encoders,
             counted: PerAxis::both(0),
@@ -143,7 +143,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     }
 
     fn count(&mut self) {
-        let position = self.encoders.counts(self.plant.state().angle).map(whole);
+        let position = self.encoders.counts(self.plant.state().angle).map(to_integer);
         let turned = position.zip(self.position, i32::wrapping_sub);
         self.position = position;
         self.counted = self.counted.zip(self.faults.counted(turned), i32::wrapping_add);
@@ -152,7 +152,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
 
 /// A whole number of counts as an integer.
 #[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
-fn whole(counts: impl Into<f64>) -> i32 {
+fn to_integer(counts: impl Into<f64>) -> i32 {
     let counts: f64 = counts.into();
     counts as i32
 }

@@ -24,6 +24,9 @@ fn gains(rig: &Rig) -> Gains<f64> {
     if rig.plant.effectiveness.main_on_pitch == 0.022 { crate::gains::PAPER } else { SOFT }
 }
 
+/// Makes a fault in the cables.
+type Spoil = fn(&mut Faults);
+
 /// A simulated rig and its loop.
 struct Flight {
     bench: Bench<f32>,
@@ -186,7 +189,7 @@ fn wrong_constants_and_disturbances_trip_nothing() {
 /// A swapped sign and a stuck encoder end in a fault, on every rig and each axis. Prints the times.
 #[test]
 fn a_swapped_and_a_stuck_encoder_are_found_within_a_second_of_the_push() {
-    let faults: [(&str, fn(&mut Faults)); 4] = [
+    let faults: [(&str, Spoil); 4] = [
         ("pitch swapped", |faults| faults.encoder_reversed.pitch = true),
         ("yaw swapped", |faults| faults.encoder_reversed.yaw = true),
         ("pitch stuck", |faults| faults.encoder_stuck.pitch = true),
@@ -495,7 +498,7 @@ fn the_first_power_check_passes_every_rig_and_then_only_the_zero_is_missing() {
 
 #[test]
 fn the_first_power_check_names_what_is_connected_wrongly() {
-    let cases: [(Fault, fn(&mut Faults)); 7] = [
+    let cases: [(Fault, Spoil); 7] = [
         (Fault::MotorsSwapped, |faults| faults.motors_swapped = true),
         (Fault::MainReversed, |faults| faults.motor_reversed.main = true),
         (Fault::TailReversed, |faults| faults.motor_reversed.tail = true),

@@ -1,7 +1,7 @@
 //! Gains of an extended state observer: whatever the model does not explain is a disturbance to be found.
 
-use super::bilinear_decay;
 use super::observer::ObserverGains;
+use crate::plant::bilinear_decay;
 use crate::real::Real;
 
 /// All three error poles at b = exp(-ωT) (to third order): l₁ = 1 - b³, l₂ = 3/2 (1 - b)² (1 + b)/T,

@@ -1,8 +1,9 @@
 //! The estimator that needs no model: differences of the measured angle through a first-order low pass.
 
-use super::{Estimate, bilinear_decay};
+use super::Estimate;
 use crate::axes::PerAxis;
 use crate::plant::State;
+use crate::plant::bilinear_decay;
 use crate::real::Real;
 
 /// Rate by ω s/(s + ω), discretised by the bilinear rule:

@@ -1,7 +1,7 @@
 //! Gains of a Luenberger observer: the model is trusted but for its state.
 
-use super::bilinear_decay;
 use super::observer::ObserverGains;
+use crate::plant::bilinear_decay;
 use crate::real::Real;
 
 /// Both error poles at b = exp(-ωT) (to third order): l₁ = 1 - b², l₂ = (1 - b)²/T, l₃ = 0. `bandwidth` is ω

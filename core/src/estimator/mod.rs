@@ -153,11 +153,3 @@ impl<R: Real> Estimator<R> {
         }
     }
 }
-
-/// What a first-order lag keeps of a difference after `phase` = ωT: (2 - ωT)/(2 + ωT), which is exp(-ωT) to
-/// third order. Basic arithmetic only, so the board and the host agree on it to the bit.
-#[inline(always)]
-pub(crate) fn bilinear_decay<R: Real>(phase: R) -> R {
-    let two = R::from_f64(2.0);
-    (two - phase) / (two + phase)
-}

@@ -48,7 +48,7 @@ pub enum Verdict {
         /// Which motor's push.
         motor: Motor,
     },
-    /// One wrong connection explains what was seen better than none.
+    /// One wrong connection explains what was observed better than none.
     Wrong(Fault),
     /// The rig did not come to rest.
     Restless,
@@ -108,7 +108,7 @@ pub struct FirstPowerCheck {
     phase: Phase,
     ticks: u32,
     start: PerAxis<f32>,
-    seen: PerMotor<PerAxis<f32>>,
+    observed: PerMotor<PerAxis<f32>>,
 }
 
 impl FirstPowerCheck {
@@ -120,7 +120,7 @@ impl FirstPowerCheck {
             phase: Phase::Settle(Motor::Main),
             ticks: 0,
             start: PerAxis::zero(),
-            seen: PerMotor::both(PerAxis::zero()),
+            observed: PerMotor::both(PerAxis::zero()),
         }
     }
 
@@ -151,11 +151,11 @@ impl FirstPowerCheck {
                 }
                 match motor {
                     Motor::Main => {
-                        self.seen.main = moved;
+                        self.observed.main = moved;
                         self.enter(Phase::Settle(Motor::Tail));
                     }
                     Motor::Tail => {
-                        self.seen.tail = moved;
+                        self.observed.tail = moved;
                         self.enter(Phase::Done);
                         return (PerMotor::zero(), Some(self.verdict()));
                     }
@@ -179,8 +179,9 @@ impl FirstPowerCheck {
     fn verdict(&self) -> Verdict {
         let mut best = (None, f32::NEG_INFINITY);
         for fault in EXPLANATIONS {
-            let told = explain(&self.pushes, fault);
-            let fit = likeness(told.main, self.seen.main) + likeness(told.tail, self.seen.tail);
+            let expected = explain(&self.pushes, fault);
+            let fit =
+                likeness(expected.main, self.observed.main) + likeness(expected.tail, self.observed.tail);
             if fit > best.1 + 1e-3 {
                 best = (fault, fit);
             }

@@ -1,5 +1,5 @@
-//! What the first-power check's pushes should do to a rig, by its whole model: worked out on the host, kept in
-//! the parameter record.
+//! What the first-power check's pushes should do to a rig, by its whole model: worked out on the host, kept
+//! in the parameter record.
 
 use super::{FAR_ENOUGH, PUSH_TICKS, Push, farthest};
 use crate::SAMPLE_TIME;

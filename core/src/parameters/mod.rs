@@ -15,7 +15,7 @@ use crate::pipeline::Settings;
 use crate::plant::presets::Rig;
 use crate::real::Real;
 use crate::supervisor::{Condition, Conditions};
-use crate::validate::Invalid;
+use crate::validate::{Invalid, both, not_negative, positive, require};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -232,71 +232,69 @@ impl Parameters {
     /// # Errors
     /// [`ParameterError::Range`], which names the first field that is not.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        let mut finite = true;
-        let _ = self.settings.map(|number| finite &= number.is_finite());
-        require(finite, "settings", "finite numbers")?;
+        Ok(self.check_ranges()?)
+    }
+
+    fn check_ranges(&self) -> Result<(), Invalid<f32>> {
+        let mut example = 0.0;
+        let _ = self.settings.map(|number| example = if number.is_finite() { example } else { number });
+        require("settings", example, true, "finite numbers")?;
         let s = &self.settings;
         #[expect(clippy::cast_possible_truncation, reason = "the nearest f32 is what the host writes")]
         let exact = s.sample_time.to_bits() == (SAMPLE_TIME as f32).to_bits();
-        require(exact, "sample_time", "0.001 s, the board's tick")?;
+        require("sample_time", s.sample_time, exact, "0.001 s, the board's tick")?;
         positive("model.mass", s.model.mass)?;
-        positive("model.inertia.pitch", s.model.inertia.pitch)?;
-        positive("model.inertia.yaw", s.model.inertia.yaw)?;
+        both(["model.inertia.pitch", "model.inertia.yaw"], s.model.inertia, positive)?;
         not_negative("model.rotor_time_constant.main", s.model.rotor_time_constant.main)?;
         not_negative("model.rotor_time_constant.tail", s.model.rotor_time_constant.tail)?;
-        let invertible = (1.0 / s.effectiveness.determinant()).is_finite();
-        require(invertible, "effectiveness", "a matrix with a determinant other than 0")?;
+        let determinant = s.effectiveness.determinant();
+        let invertible = (1.0 / determinant).is_finite();
+        require("effectiveness", determinant, invertible, "a matrix with a determinant other than 0")?;
         positive("volts_limit.main", s.volts_limit.main)?;
         positive("volts_limit.tail", s.volts_limit.tail)?;
-        let in_range = |e: Invalid<f32>| ParameterError::Range { field: e.field, allowed: e.allowed };
-        s.current_limit.map_or(Ok(()), |limit| limit.validate()).map_err(in_range)?;
-        s.controller.validate().map_err(in_range)?;
-        positive("encoders.pitch.angle_per_count", self.encoders.pitch.angle_per_count)?;
-        positive("encoders.yaw.angle_per_count", self.encoders.yaw.angle_per_count)?;
-        self.limits.validate(s.volts_limit)
+        s.current_limit.map_or(Ok(()), |limit| limit.validate())?;
+        s.controller.validate()?;
+        let scale = self.encoders.map(|encoder| encoder.angle_per_count);
+        both(["encoders.pitch.angle_per_count", "encoders.yaw.angle_per_count"], scale, positive)?;
+        self.limits.check_ranges(s.volts_limit)
     }
 }
 
 impl Limits {
-    fn validate(&self, volts_limit: PerMotor<f32>) -> Result<(), ParameterError> {
-        let right_angle = core::f32::consts::FRAC_PI_2;
-        require(self.pitch > 0.0 && self.pitch <= right_angle, "limits.pitch", "above 0, at most pi/2 rad")?;
-        positive("limits.rate.pitch", self.rate.pitch)?;
-        positive("limits.rate.yaw", self.rate.yaw)?;
+    fn check_ranges(&self, volts_limit: PerMotor<f32>) -> Result<(), Invalid<f32>> {
+        let pitch = self.pitch > 0.0 && self.pitch <= core::f32::consts::FRAC_PI_2;
+        require("limits.pitch", self.pitch, pitch, "above 0, at most pi/2 rad")?;
+        both(["limits.rate.pitch", "limits.rate.yaw"], self.rate, positive)?;
         positive("limits.supply_low", self.supply_low)?;
-        let supply = self.supply_high.is_finite() && self.supply_low < self.supply_high;
-        require(supply, "limits.supply_high", "above limits.supply_low")?;
-        require((1..=60_000).contains(&self.command_timeout), "limits.command_timeout", "1 to 60000 ticks")?;
-        let holds = !matches!(self.lost_link, LostLink::Hold { ticks } if !(1..=60_000).contains(&ticks));
-        require(holds, "limits.lost_link.ticks", "1 to 60000 ticks")?;
-        positive("limits.approach_rate", self.approach_rate)?;
-        let volts = |push: Push, limit| push.volts > 0.0 && push.volts <= limit;
-        let allowed = self.check.zip(volts_limit, volts);
-        require(allowed.main, "limits.check.main.volts", "above 0, at most volts_limit.main")?;
-        require(allowed.tail, "limits.check.tail.volts", "above 0, at most volts_limit.tail")?;
-        let turns = |push: Push| {
-            let squares = push.motion.pitch * push.motion.pitch + push.motion.yaw * push.motion.yaw;
-            squares.is_finite() && squares > 0.0
+        let above = self.supply_low < self.supply_high;
+        require("limits.supply_high", self.supply_high, above, "above limits.supply_low")?;
+        let ticks = |field, ticks: u32| {
+            #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
+            require(field, ticks as f32, (1..=60_000).contains(&ticks), "1 to 60000 ticks")
         };
-        require(turns(self.check.main), "limits.check.main.motion", "a motion about one axis or both")?;
-        require(turns(self.check.tail), "limits.check.tail.motion", "a motion about one axis or both")
+        ticks("limits.command_timeout", self.command_timeout)?;
+        let hold = if let LostLink::Hold { ticks } = self.lost_link { ticks } else { 1 };
+        ticks("limits.lost_link.ticks", hold)?;
+        positive("limits.approach_rate", self.approach_rate)?;
+        let volts = |field, push: Push, limit, allowed| {
+            require(field, push.volts, push.volts > 0.0 && push.volts <= limit, allowed)
+        };
+        let PerMotor { main, tail } = self.check;
+        volts("limits.check.main.volts", main, volts_limit.main, "above 0, at most volts_limit.main")?;
+        volts("limits.check.tail.volts", tail, volts_limit.tail, "above 0, at most volts_limit.tail")?;
+        let turns = |field, push: Push| {
+            let squares = push.motion.pitch * push.motion.pitch + push.motion.yaw * push.motion.yaw;
+            require(field, squares, squares > 0.0, "a motion about one axis or both")
+        };
+        turns("limits.check.main.motion", main)?;
+        turns("limits.check.tail.motion", tail)
     }
 }
 
-// As in `validate`: small, not fast.
-#[inline(never)]
-fn require(holds: bool, field: &'static str, allowed: &'static str) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(ParameterError::Range { field, allowed }) }
-}
-
-#[inline(never)]
-fn positive(field: &'static str, value: f32) -> Result<(), ParameterError> {
-    require(value.is_finite() && value > 0.0, field, "a finite number above 0")
-}
-
-#[inline(never)]
-fn not_negative(field: &'static str, value: f32) -> Result<(), ParameterError> {
-    require(value.is_finite() && value >= 0.0, field, "a finite number of at least 0")
+impl From<Invalid<f32>> for ParameterError {
+    fn from(invalid: Invalid<f32>) -> Self {
+        Self::Range { field: invalid.field, allowed: invalid.allowed }
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "saturating is what a count out of range should do")]

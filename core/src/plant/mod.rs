@@ -4,13 +4,16 @@
 //! whole fraction of it.
 
 mod body;
+mod lag;
 mod parameters;
 pub mod presets;
 mod rotors;
 
 pub use body::{Dynamics, RigidBody, State};
+pub use lag::decay;
+pub(crate) use lag::{RotorTorque, bilinear_decay, follow, tustin_decay};
 pub use parameters::{Effectiveness, PlantParameters};
-pub use rotors::{IdealRotors, LaggedRotors, Thrust, TorqueOverStep, decay};
+pub use rotors::{IdealRotors, LaggedRotors, Thrust, TorqueOverStep};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::compensated::Compensated;

@@ -6,7 +6,6 @@
 use super::{Effectiveness, PlantParameters};
 use crate::DEGREE;
 use crate::axes::{PerAxis, PerMotor};
-use crate::drive::FULL_STEPS;
 use crate::validate::{Invalid, finite, not_negative, positive, require};
 use serde::{Deserialize, Serialize};
 
@@ -87,6 +86,9 @@ pub struct MotorConstants {
 const PITCH_ENVELOPE: f64 = 40.0 * DEGREE;
 /// \[rad/s\] Twice the fastest rate of a time-optimal step of 15 and 40 degrees within 24 V.
 const RATE_ENVELOPE: PerAxis<f64> = PerAxis::new(10.0, 10.0);
+/// Compare steps between zero and full voltage on the boards that the firmware knows, whose timers all count
+/// at 168 MHz. It does not compile for a board that has others.
+pub const PWM_STEPS: u32 = crate::drive::full_steps(168_000_000);
 
 const NO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
@@ -130,7 +132,7 @@ pub const PAPER: Rig = Rig {
     supply: SUPPLY,
     nominal_volts: 0.0,
     encoder_counts: PerAxis::new(2880, 4096),
-    pwm_steps: FULL_STEPS,
+    pwm_steps: PWM_STEPS,
     rest_angle: PerAxis::both(0.0),
     envelope: Envelope { pitch: PITCH_ENVELOPE, rate: RATE_ENVELOPE },
     motor: None,

@@ -5,6 +5,7 @@
 //! rotor turns the body the other way at once. Volts are held over a step, so the lag has an exact solution
 //! and costs the integrator no state.
 
+use super::lag::{RotorTorque, decay, follow};
 use super::{Effectiveness, PlantParameters};
 use crate::axes::{PerAxis, PerMotor};
 use crate::real::Real;
@@ -44,12 +45,10 @@ impl<R: Real> Thrust<R> for IdealRotors<R> {
 /// Real rotors: first-order lag, thrust a v + b v|v|, reaction torque of an accelerating rotor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaggedRotors<R> {
-    linear: Effectiveness<R>,
-    quadratic: Effectiveness<R>,
+    /// Its reaction goes with the volts that a rotor has yet to follow: r/τ for each.
+    torque: RotorTorque<R>,
     /// exp(-h/2τ): what is left of a difference after half a step.
     half_decay: PerMotor<R>,
-    /// \[N m/V\] Reaction for each volt between applied and in effect, r/τ.
-    reaction: PerMotor<R>,
     /// \[V\] The volts in effect.
     pub volts: PerMotor<R>,
 }
@@ -58,28 +57,15 @@ impl<R: Real> LaggedRotors<R> {
     /// Each number through `f`, in a fixed order: what puts rotors of different plants side by side in lanes.
     pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> LaggedRotors<U> {
         LaggedRotors {
-            linear: self.linear.map(&mut f),
-            quadratic: self.quadratic.map(&mut f),
+            torque: self.torque.map(&mut f),
             half_decay: self.half_decay.map(&mut f),
-            reaction: self.reaction.map(&mut f),
             volts: self.volts.map(&mut f),
         }
     }
 
     #[inline(always)]
     fn torque(&self, applied: PerMotor<R>, disturbance: PerMotor<R>) -> PerAxis<R> {
-        let acting = self.volts.plus(disturbance);
-        let squared = acting.map(|v| v * v.abs());
-        let missing = applied.minus(self.volts);
-        let reaction =
-            PerAxis { pitch: self.reaction.tail * missing.tail, yaw: self.reaction.main * missing.main };
-        self.linear.torque(acting).plus(self.quadratic.torque(squared)).plus(reaction)
-    }
-
-    #[inline(always)]
-    fn half_step(&mut self, applied: PerMotor<R>) {
-        let missing = self.volts.minus(applied);
-        self.volts = applied.plus(missing.zip(self.half_decay, |m, d| m * d));
+        self.torque.torque(self.volts.plus(disturbance), applied.minus(self.volts))
     }
 }
 
@@ -88,10 +74,11 @@ impl<R: Real> Thrust<R> for LaggedRotors<R> {
         let tau = parameters.rotor_time_constant;
         let per_tau = |r: f64, tau: f64| if tau > 0.0 { r / tau } else { 0.0 };
         Self {
-            linear: parameters.effectiveness.map(R::from_f64),
-            quadratic: parameters.quadratic_effectiveness.map(R::from_f64),
+            torque: RotorTorque::new(
+                &parameters.map(R::from_f64),
+                parameters.rotor_reaction.zip(tau, per_tau).cast(),
+            ),
             half_decay: tau.map(|tau| R::from_f64(decay(0.5 * step, tau))),
-            reaction: parameters.rotor_reaction.zip(tau, per_tau).cast(),
             volts: PerMotor::zero(),
         }
     }
@@ -99,16 +86,11 @@ impl<R: Real> Thrust<R> for LaggedRotors<R> {
     #[inline(always)]
     fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R> {
         let begin = self.torque(volts, disturbance);
-        self.half_step(volts);
+        self.volts = follow(self.volts, volts, self.half_decay);
         let middle = self.torque(volts, disturbance);
-        self.half_step(volts);
+        self.volts = follow(self.volts, volts, self.half_decay);
         [begin, middle, self.torque(volts, disturbance)]
     }
-}
-
-/// exp(-time/tau): what is left of a first-order lag's difference after `time` \[s\]; 0 for a `tau` of 0.
-pub fn decay(time: f64, tau: f64) -> f64 {
-    if tau > 0.0 { libm::exp(-time / tau) } else { 0.0 }
 }
 
 #[cfg(test)]

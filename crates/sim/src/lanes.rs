@@ -50,14 +50,14 @@ pub fn in_lanes_with<K: Kernel>(level: Level, kernel: K) -> K::Output {
         unreachable!("every x86-64 processor has SSE2")
     }
     #[cfg(not(target_arch = "x86_64"))]
-    fearless_simd::dispatch!(level, simd => apart(simd, kernel))
+    fearless_simd::dispatch!(level, simd => outlined(simd, kernel))
 }
 
 /// Where the vectors are every processor's, nothing else keeps a kernel from being compiled anew wherever it
 /// is used.
 #[cfg(not(target_arch = "x86_64"))]
 #[inline(never)]
-fn apart<S: Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
+fn outlined<S: Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
     vectorized(simd, kernel)
 }
 

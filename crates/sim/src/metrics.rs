@@ -85,13 +85,56 @@ pub struct Step {
 /// Settling bands, as parts of the step.
 const BANDS: [f64; 2] = [0.02, 0.05];
 
+/// When a magnitude was last outside a band, in whole ticks.
+#[derive(Debug, Clone, Copy)]
+pub struct LastOutside<R> {
+    band: R,
+    /// \[ticks\] The last tick outside; -1 for none.
+    pub tick: R,
+}
+
+impl<R: Real> LastOutside<R> {
+    /// Of a band from 0 to `band`; never outside yet.
+    pub fn new(band: R) -> Self {
+        Self { band, tick: R::from_f64(-1.0) }
+    }
+
+    /// Takes the magnitude at a tick. Is it outside?
+    #[inline(always)]
+    pub fn add(&mut self, tick: R, magnitude: R) -> R::Mask {
+        let outside = self.band.lt(magnitude);
+        self.tick = R::select(outside, tick, self.tick);
+        outside
+    }
+}
+
+/// How far an axis went beyond its goal.
+#[derive(Debug, Clone, Copy)]
+pub struct Overshoot<R> {
+    /// 1 for a step upwards, -1 for one downwards.
+    direction: R,
+    /// \[rad\]
+    pub most: R,
+}
+
+impl<R: Real> Overshoot<R> {
+    /// Of a step whose sign is that of `step`.
+    pub fn new(step: f64) -> Self {
+        Self { direction: R::from_f64(step.signum()), most: R::zero() }
+    }
+
+    /// Takes an error \[rad\]: beyond a goal that lies upwards it is negative.
+    #[inline(always)]
+    pub fn add(&mut self, error: R) {
+        self.most = self.most.max(-error * self.direction);
+    }
+}
+
 /// When an error was last outside a band, to a part of a tick: between the last tick outside and the next one
 /// the error is taken to be straight.
 #[derive(Debug, Clone, Copy)]
 struct Settling<R> {
-    band: R,
-    /// \[ticks\] The last tick outside; -1 for none.
-    last: R,
+    last: LastOutside<R>,
     /// The error then, and a tick later.
     error: [R; 2],
     was_outside: R,
@@ -99,14 +142,13 @@ struct Settling<R> {
 
 impl<R: Real> Settling<R> {
     fn new(band: R) -> Self {
-        Self { band, last: R::from_f64(-1.0), error: [R::zero(); 2], was_outside: R::zero() }
+        Self { last: LastOutside::new(band), error: [R::zero(); 2], was_outside: R::zero() }
     }
 
     #[inline(always)]
     fn add(&mut self, tick: R, error: R) {
-        let outside = self.band.lt(error);
+        let outside = self.last.add(tick, error);
         let entering = !outside & R::zero().lt(self.was_outside);
-        self.last = R::select(outside, tick, self.last);
         self.error[0] = R::select(outside, error, self.error[0]);
         self.error[1] = R::select(entering, error, self.error[1]);
         self.was_outside = R::select(outside, R::one(), R::zero());
@@ -115,12 +157,12 @@ impl<R: Real> Settling<R> {
     /// \[ticks\] When the error came in for good, if it was inside at tick `last`.
     fn time(&self, lane: usize, last: u32) -> Option<f64> {
         let of = |x: R| -> f64 { x.lane(lane).into() };
-        let outside = of(self.last);
+        let outside = of(self.last.tick);
         if outside < 0.0 {
             return Some(0.0);
         }
         let [before, after] = self.error.map(of);
-        (outside < f64::from(last)).then(|| outside + (before - of(self.band)) / (before - after))
+        (outside < f64::from(last)).then(|| outside + (before - of(self.last.band)) / (before - after))
     }
 }
 
@@ -129,7 +171,7 @@ impl<R: Real> Settling<R> {
 struct Response<R> {
     step: Option<Step>,
     settling: [Settling<R>; 2],
-    overshoot: R,
+    overshoot: Overshoot<R>,
     final_error: R,
 }
 
@@ -139,7 +181,7 @@ impl<R: Real> Response<R> {
         Self {
             step,
             settling: BANDS.map(|band| Settling::new(R::from_f64(band * size))),
-            overshoot: R::zero(),
+            overshoot: Overshoot::new(step.map_or(0.0, |s| s.to - s.from)),
             final_error: R::zero(),
         }
     }
@@ -156,8 +198,7 @@ impl<R: Real> Response<R> {
         for settling in &mut self.settling {
             settling.add(now, magnitude);
         }
-        let beyond = -error * R::from_f64((step.to - step.from).signum());
-        self.overshoot = self.overshoot.max(beyond);
+        self.overshoot.add(error);
     }
 
     fn report(&self, lane: usize, last: u32, sample_time: f64, integrals: [f64; 3]) -> AxisReport {
@@ -165,7 +206,7 @@ impl<R: Real> Response<R> {
             let ticks = self.settling[band].time(lane, last - self.step?.tick)?;
             Some(ticks * sample_time)
         };
-        let overshoot: f64 = self.overshoot.lane(lane).into();
+        let overshoot: f64 = self.overshoot.most.lane(lane).into();
         let final_error: f64 = self.final_error.lane(lane).into();
         AxisReport {
             settling_time_2: settled(0),

@@ -119,7 +119,9 @@ impl Kernel for Flights<'_> {
         let rig = &self.objective.rig;
         let start = State::at_rest(PerAxis::zero());
         match self.objective.fidelity {
-            Fidelity::Ideal => self.integrate(IdealLoop::new(rig, &papers(settings), start, SAMPLE_TIME)),
+            Fidelity::Ideal => {
+                self.integrate(IdealLoop::new(rig, &paper_settings(settings), start, SAMPLE_TIME))
+            }
             Fidelity::Rig => {
                 let plant = RealPlant::new(&rig.plant, start, SAMPLE_TIME);
                 self.integrate(RigLoop::new(plant, &Hardware::of(rig, PerAxis::both(0.5)), &settings))
@@ -131,7 +133,7 @@ impl Kernel for Flights<'_> {
 /// The same with nothing but the paper's law, as far as the compiler knows: it leaves out what else there
 /// could be.
 #[inline(always)]
-fn papers<R: Real>(settings: Settings<R>) -> Settings<R> {
+fn paper_settings<R: Real>(settings: Settings<R>) -> Settings<R> {
     let LawSettings::Backstepping(gains) = settings.controller.law else {
         unreachable!("candidates are gains of the paper's law")
     };

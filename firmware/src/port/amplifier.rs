@@ -9,7 +9,7 @@ use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::timer::{Ch1, Ch2, Ch3, Ch4};
 use twinrotor::axes::PerMotor;
-use twinrotor::drive;
+use twinrotor::plant::presets;
 
 /// How the amplifiers are driven.
 pub(crate) const AMPLIFIER: Amplifier =
@@ -17,7 +17,7 @@ pub(crate) const AMPLIFIER: Amplifier =
 /// Compare steps from zero to the full supply.
 pub(crate) const FULL_STEPS: u32 = BOARD.full_steps();
 // What the host simulates is what this board does.
-const _: () = assert!(FULL_STEPS == drive::FULL_STEPS);
+const _: () = assert!(FULL_STEPS == presets::PWM_STEPS);
 
 /// \[counts\] Zero volts.
 const NO_VOLTS: u16 = match AMPLIFIER {

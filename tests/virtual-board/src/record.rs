@@ -16,7 +16,7 @@ pub const ADDRESS: u64 = AREA_ADDRESS as u64;
 pub const BUILT_IN: &str = "aero2";
 
 /// The paper's controller with the paper's gains for `rig`, its wiring checked.
-pub fn papers(rig: &Rig) -> Parameters {
+pub fn paper_parameters(rig: &Rig) -> Parameters {
     checked(rig, &Settings::paper(rig, PAPER, SAMPLE_TIME))
 }
 

@@ -13,6 +13,7 @@ use twinrotor::reference::Reference;
 use twinrotor::trajectory::ticks;
 use twinrotor_sim::closed_loop::{ClosedLoop, Hardware, RigLoop};
 use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
+use twinrotor_sim::metrics::{LastOutside, Overshoot};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// \[rad\] An error beyond which a flight has diverged: a turn.
@@ -23,8 +24,8 @@ const HOLD: u32 = 1000;
 /// The sums of a flight in every lane.
 #[derive(Debug, Clone, Copy)]
 struct Sums<R: Real> {
-    last_outside_2: PerAxis<R>,
-    overshoot: PerAxis<R>,
+    last_outside_2: PerAxis<LastOutside<R>>,
+    overshoot: PerAxis<Overshoot<R>>,
     hold_squares: PerAxis<R>,
     disturbed_squares: PerAxis<R>,
     variation: R,
@@ -111,12 +112,12 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
     let goal = flights.step;
     let reference = Reference::at_rest(goal.cast::<R>());
     let band = |part: f64| goal.map(|g| R::from_f64(part * g.abs()));
-    let (band_2, band_5) = (band(0.02), band(0.05));
+    let band_5 = band(0.05);
     let zero = PerAxis::both(R::zero());
     let none = R::Mask::splat(false);
     let mut s = Sums {
-        last_outside_2: zero,
-        overshoot: zero,
+        last_outside_2: band(0.02).map(LastOutside::new),
+        overshoot: goal.map(Overshoot::new),
         hold_squares: zero,
         disturbed_squares: zero,
         variation: R::zero(),
@@ -138,10 +139,10 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
             s.disturbed_squares = s.disturbed_squares.plus(square);
         } else {
             let now = R::from_f64(f64::from(tick));
-            let outside = error.zip(band_2, |e, band| band.lt(e.abs()));
-            s.last_outside_2 = s.last_outside_2.zip(outside, |last, outside| R::select(outside, now, last));
-            // Both steps are upwards: beyond the goal the error is negative.
-            s.overshoot = s.overshoot.zip(error, |most, e| most.max(-e));
+            s.last_outside_2.pitch.add(now, error.pitch.abs());
+            s.last_outside_2.yaw.add(now, error.yaw.abs());
+            s.overshoot.pitch.add(error.pitch);
+            s.overshoot.yaw.add(error.yaw);
             let outside = error.zip(band_5, |e, band| band.lt(e.abs()));
             s.outside_5 = outside.pitch | outside.yaw;
             if tick + HOLD >= when.disturbance {
@@ -173,14 +174,14 @@ fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, step: PerAxis<f64>, wh
     let of = |x: R| f64::from(x.lane(lane));
     let rms =
         |squares: PerAxis<R>, ticks: u32| squares.map(|x| (of(x) / f64::from(ticks)).sqrt().to_degrees());
-    let settled = |last: R| {
-        let last = of(last);
+    let settled = |last: LastOutside<R>| {
+        let last = of(last.tick).max(0.0);
         if last >= f64::from(when.disturbance - 1) { allowance } else { last * SAMPLE_TIME }
     };
     let hold = HOLD.min(when.disturbance);
     Score {
         settling_time: s.last_outside_2.map(settled),
-        overshoot_percent: s.overshoot.zip(step, |most, step| 100.0 * of(most) / step),
+        overshoot_percent: s.overshoot.zip(step, |overshoot, step| 100.0 * of(overshoot.most) / step),
         disturbance_rms_deg: rms(s.disturbed_squares, when.end - when.disturbance),
         hold_rms_deg: rms(s.hold_squares, hold),
         voltage_variation: of(s.variation) / (2.0 * f64::from(hold) * SAMPLE_TIME),

@@ -29,7 +29,7 @@ fn main() -> ExitCode {
 fn run() -> Result<(), String> {
     let firmware = Firmware::released().map_err(|why| why.to_string())?;
     let (rig, built_in) = record::tuned(record::BUILT_IN);
-    let mut papers = flying(&firmware, &presets::PAPER, record::papers(&presets::PAPER))?;
+    let mut papers = flying(&firmware, &presets::PAPER, record::paper_parameters(&presets::PAPER))?;
     let mut rigs = flying(&firmware, &rig, built_in)?;
     let profiles = [
         Profile::of(&firmware, &mut papers, TICK, 40)?.median(),

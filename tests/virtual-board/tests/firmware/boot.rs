@@ -11,7 +11,7 @@ use virtual_board::record;
 use virtual_board::station::Station;
 
 use super::parameters::read;
-use super::{board_with, firmware, make_ready, papers, rest, start};
+use super::{board_with, firmware, make_ready, paper_parameters, rest, start};
 
 #[test]
 fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
@@ -38,7 +38,7 @@ fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
 #[test]
 fn a_board_with_good_parameters_is_ready_once_zeroed() {
     let rig = presets::PAPER;
-    let mut station = board_with(&rig, &papers(&rig));
+    let mut station = board_with(&rig, &paper_parameters(&rig));
     station.run(200);
     assert_eq!(station.heard.conditions(), [Condition::NotZeroed]);
     make_ready(&mut station);
@@ -49,7 +49,7 @@ fn a_board_with_good_parameters_is_ready_once_zeroed() {
 /// What the first-power check says of a rig after `spoil` broke it.
 fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
     let rig = presets::AERO;
-    let mut unchecked = papers(&rig);
+    let mut unchecked = paper_parameters(&rig);
     unchecked.checked = false;
     let mut station = board_with(&rig, &unchecked);
     station.machine.rig(move |helicopter: &mut Helicopter| spoil(helicopter));
@@ -100,7 +100,7 @@ fn two_runs_are_the_same_to_the_instruction_and_another_seed_changes_no_output()
     let run = |seed, protects_memory| {
         let rig = presets::PAPER;
         let setup = Setup { protects_memory, ..Setup::new(firmware()).with_seed(seed) };
-        let image = super::image(&[papers(&rig)]);
+        let image = super::image(&[paper_parameters(&rig)]);
         let mut station = start(setup.with_image(super::ADDRESS, image), &rig);
         make_ready(&mut station);
         station.request(Request::Arm);

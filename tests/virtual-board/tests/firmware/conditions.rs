@@ -10,7 +10,7 @@ use virtual_board::machine::Live;
 use virtual_board::record;
 use virtual_board::station::Station;
 
-use super::{board_with, both, flying, flying_with, make_ready, papers};
+use super::{board_with, both, flying, flying_with, make_ready, paper_parameters};
 
 /// The tick in which the fault came, and its cause.
 #[track_caller]
@@ -190,7 +190,7 @@ fn a_stack_that_is_nearly_used_up() {
 #[test]
 fn a_number_that_is_none() {
     let rig = presets::PAPER;
-    let mut wild = papers(&rig);
+    let mut wild = paper_parameters(&rig);
     let gains = twinrotor::gains::Gains::from_paper_order([1e30_f32; 4]);
     wild.settings.controller.law = twinrotor::law::LawSettings::Backstepping(gains);
     let mut station = board_with(&rig, &wild);
@@ -209,7 +209,7 @@ fn a_number_that_is_none() {
 
 #[test]
 fn a_cleared_fault_arms_again_and_the_estimate_starts_afresh() {
-    let papers = (presets::PAPER, papers(&presets::PAPER));
+    let papers = (presets::PAPER, paper_parameters(&presets::PAPER));
     for (rig, parameters) in [papers, record::tuned("paper"), record::tuned("aero2")] {
         clear_and_fly_on(&mut flying_with(&rig, &parameters));
     }

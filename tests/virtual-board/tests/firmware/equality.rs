@@ -21,7 +21,7 @@ use virtual_board::machine::Setup;
 use virtual_board::record::{self, ADDRESS, image};
 use virtual_board::wiring::Amplifiers;
 
-use super::{firmware, make_ready, papers, rest, start};
+use super::{firmware, make_ready, paper_parameters, rest, start};
 
 /// Ticks in the air.
 const TICKS: usize = 10_000;
@@ -193,22 +193,22 @@ const BACK: PerAxis<f32> = PerAxis { pitch: -0.05, yaw: 0.1 };
 
 #[test]
 fn the_papers_rig_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::PAPER, &papers(&presets::PAPER), &[STEP, BACK]);
+    assert_equal(&presets::PAPER, &paper_parameters(&presets::PAPER), &[STEP, BACK]);
 }
 
 #[test]
 fn an_aero_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::AERO, &papers(&presets::AERO), &[STEP, BACK, STEP]);
+    assert_equal(&presets::AERO, &paper_parameters(&presets::AERO), &[STEP, BACK, STEP]);
 }
 
 #[test]
 fn an_aero_2_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::AERO2, &papers(&presets::AERO2), &[STEP]);
+    assert_equal(&presets::AERO2, &paper_parameters(&presets::AERO2), &[STEP]);
 }
 
 #[test]
 fn an_aero_with_real_friction_flies_on_the_board_as_on_the_host() {
-    assert_equal(&presets::AERO_LAB, &papers(&presets::AERO_LAB), &[BACK, STEP]);
+    assert_equal(&presets::AERO_LAB, &paper_parameters(&presets::AERO_LAB), &[BACK, STEP]);
 }
 
 /// The firmware with the feature `sign-magnitude`, its amplifiers connected for it: only the pins differ.
@@ -219,7 +219,7 @@ fn sign_magnitude() -> Setup {
 
 #[test]
 fn sign_magnitude_flies_on_the_board_as_on_the_host() {
-    assert_equal_on(sign_magnitude(), &presets::PAPER, &papers(&presets::PAPER), &[STEP, BACK]);
+    assert_equal_on(sign_magnitude(), &presets::PAPER, &paper_parameters(&presets::PAPER), &[STEP, BACK]);
     let (rig, parameters) = record::tuned(record::BUILT_IN);
     assert_equal_on(sign_magnitude(), &rig, &parameters, &[STEP, BACK]);
 }

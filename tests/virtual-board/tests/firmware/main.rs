@@ -21,7 +21,7 @@ use twinrotor::supervisor::{ArmState, Request};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Machine, Setup};
-use virtual_board::record::{self, ADDRESS, image, papers};
+use virtual_board::record::{self, ADDRESS, image, paper_parameters};
 use virtual_board::station::Station;
 
 fn firmware() -> Firmware {
@@ -58,7 +58,7 @@ fn make_ready(station: &mut Station) {
 /// What the tests fly: the paper's law on the paper's rig, and the controller that the firmware has built in
 /// on its rig.
 fn both() -> [(Rig, Parameters); 2] {
-    [(presets::PAPER, papers(&presets::PAPER)), record::tuned(record::BUILT_IN)]
+    [(presets::PAPER, paper_parameters(&presets::PAPER)), record::tuned(record::BUILT_IN)]
 }
 
 /// A board with the paper's law at the paper's rig that reports every tick, holding the step's end after it

@@ -8,11 +8,11 @@ use virtual_board::chip::flash::Operation;
 use virtual_board::machine::Setup;
 use virtual_board::station::Station;
 
-use super::{ADDRESS, board_with, firmware, flying, image, papers, start};
+use super::{ADDRESS, board_with, firmware, flying, image, paper_parameters, start};
 
 /// A record that no other `nth` shares a value of its limits with.
 pub(super) fn variant(nth: u16) -> Parameters {
-    let mut record = papers(&presets::PAPER);
+    let mut record = paper_parameters(&presets::PAPER);
     let share = f32::from(nth) * 1e-4;
     record.limits.approach_rate = 0.3 + share;
     record.limits.rate.pitch = 9.0 + share;

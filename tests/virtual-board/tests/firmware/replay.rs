@@ -11,7 +11,7 @@ use twinrotor_identify::replay::{replay, samples};
 use twinrotor_sim::scenario::Scenario;
 use virtual_board::record;
 
-use super::{board_with, make_ready, papers};
+use super::{board_with, make_ready, paper_parameters};
 
 /// Rows, 2 ms apart.
 const ROWS: u32 = 1_000;
@@ -49,7 +49,7 @@ fn assert_same(rig: &Rig, parameters: &Parameters, scenario: Option<&Scenario>) 
 #[test]
 fn a_record_replayed_on_the_board_gives_the_bits_of_the_host() {
     let step = Scenario::named("step").expect("built in");
-    assert_same(&presets::AERO, &papers(&presets::AERO), Some(&step));
+    assert_same(&presets::AERO, &paper_parameters(&presets::AERO), Some(&step));
     for name in ["aero-lab", "heli"] {
         let (rig, parameters) = record::tuned(name);
         assert_same(&rig, &parameters, Some(&step));

@@ -8,7 +8,7 @@ use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Live, Setup};
 use virtual_board::station::Station;
 
-use super::{ADDRESS, firmware, flying, image, papers, rest, start};
+use super::{ADDRESS, firmware, flying, image, paper_parameters, rest, start};
 
 /// Where the vector table lies.
 const VECTORS: u64 = 0x0800_0000;
@@ -91,7 +91,7 @@ fn a_stack_that_overflows_faults_and_is_reported() {
     let setup = Setup {
         protects_memory: true,
         refusals_allowed: true,
-        ..Setup::new(firmware()).with_image(ADDRESS, image(&[papers(&rig)]))
+        ..Setup::new(firmware()).with_image(ADDRESS, image(&[paper_parameters(&rig)]))
     };
     let mut station = start(setup, &rig);
     station.run(100);
