@@ -17,7 +17,9 @@ use crate::real::Real;
 use crate::supervisor::{Condition, Conditions};
 use crate::validate::{Invalid, both, not_negative, positive, require};
 use core::fmt;
+use embedded_storage::nor_flash::NorFlash;
 use serde::{Deserialize, Serialize};
+use store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 
 /// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers would
 /// mean something else; the board then keeps its motors off until a record of this version is stored.
@@ -123,6 +125,36 @@ pub enum Provenance {
     },
     /// What is stored is damaged or out of range, so they are built in.
     Damaged,
+}
+
+/// The parameters that a board boots with: those in `store`, or else the built-in ones. `buffer` is room to
+/// work in.
+pub fn load<F: NorFlash>(
+    store: &mut Store<F>,
+    buffer: &mut [u8; SLOT_SIZE],
+    built_in: impl FnOnce() -> Parameters,
+) -> (Parameters, Provenance) {
+    let provenance = match store.load(buffer).map(|bytes| bytes.map(Parameters::decode)) {
+        Ok(Some(Ok(parameters))) => return (parameters, Provenance::Stored),
+        Ok(Some(Err(error))) => Provenance::without(error),
+        Ok(None) => Provenance::Missing,
+        Err(_) => Provenance::Damaged,
+    };
+    (built_in(), provenance)
+}
+
+/// Keeps `parameters` in `store`. `buffer` is room to work in.
+///
+/// # Errors
+/// [`ParameterError::Damaged`] if the flash does not hold them.
+pub fn save<F: NorFlash>(
+    store: &mut Store<F>,
+    parameters: &Parameters,
+    buffer: &mut [u8; SLOT_SIZE],
+) -> Result<(), ParameterError> {
+    let mut payload = [0; MAX_PAYLOAD];
+    let payload = parameters.encode(&mut payload)?;
+    store.save(payload, buffer).map_err(|_| ParameterError::Damaged)
 }
 
 impl Provenance {

@@ -209,6 +209,12 @@ impl ArmState {
         matches!(self, Self::Armed | Self::Checking)
     }
 
+    /// Whether parameters may be written now, which stops the tick: motors off, and no fault to be cleared.
+    #[must_use]
+    pub const fn lets_flash_be_written(self) -> bool {
+        matches!(self, Self::Disarmed | Self::Ready)
+    }
+
     const fn row(self) -> usize {
         match self {
             Self::Disarmed => 0,

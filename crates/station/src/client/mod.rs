@@ -128,9 +128,8 @@ impl Client {
 
     /// Learns how to speak to the board, and says what has waited for that.
     fn meet(&mut self, identity: &Identity) {
-        // What it expects may be older than what is on its way to it, but not in another boot.
-        let other_boot = self.nonce != Some(identity.nonce);
-        if other_boot || identity.expected.is_newer_than(self.sequence) {
+        // What it expects may be older than what is on its way to it.
+        if identity.expected.is_newer_than(self.sequence) {
             self.sequence = identity.expected;
         }
         self.nonce = Some(identity.nonce);

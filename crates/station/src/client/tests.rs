@@ -191,13 +191,13 @@ fn a_board_is_met_before_it_is_asked_for_anything_but_motors_off() {
     client.push(&identity, Duration::ZERO);
     client.request(Request::Check);
     assert_eq!(said(&mut client), [ToBoard::Check(Nonce(7)).numbered(Sequence(20_003))]);
-    // Another boot begins anew.
+    // Another boot has another nonce.
     let board = conversation::Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: Nonce(8), reset: None };
     wire.board = Conversation::new(board, parameters(), Provenance::Missing);
     let identity = link::encode(&wire.board.identity(), &mut [0; MAX_FRAME]).unwrap().to_vec();
     client.push(&identity, Duration::ZERO);
     client.request(Request::Check);
-    assert_eq!(said(&mut client), [ToBoard::Check(Nonce(8)).numbered(Sequence(1))]);
+    assert_eq!(said(&mut client), [ToBoard::Check(Nonce(8)).numbered(Sequence(20_004))]);
 }
 
 /// Older firmware: its telemetry alone tells.
