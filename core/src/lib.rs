@@ -42,7 +42,8 @@
 //!   references that a simulation follows.
 //! - The controller's settings: [`settings`], the table of all that a person may choose, declared where it is
 //!   used; [`gains`], [`controller`], and [`defaults`], what each preset starts from.
-//! - The board's data: [`parameters`], the record it flies with, and [`link`], its messages.
+//! - The board's data: [`parameters`], the record it flies with, and [`link`], its messages, numbered by
+//!   [`sequence`]. [`conversation`] is what it answers to each.
 //!
 //! # A step
 //!
@@ -141,9 +142,11 @@ pub mod controller;
 pub mod defaults;
 pub mod gains;
 
-// The board's data.
+// The board's data, and what it says.
+pub mod conversation;
 pub mod link;
 pub mod parameters;
+pub mod sequence;
 
 /// \[s\] From tick to tick, on a board and wherever one is simulated: 1 kHz.
 pub const SAMPLE_TIME: f64 = 1e-3;

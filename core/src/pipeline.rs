@@ -241,6 +241,11 @@ impl<R: Real> Pipeline<R> {
         Decision { estimate: now.estimate, reference: now.reference.angle, allocation }
     }
 
+    /// \[N m\] What of the torque asked for `allocation` does not give.
+    pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
+        self.allocator.unallocated_torque(allocation)
+    }
+
     /// \[V\] The limits in force.
     #[inline(always)]
     pub fn volts_limit(&self) -> PerMotor<R> {

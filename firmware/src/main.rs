@@ -20,6 +20,8 @@ mod emergency_stop;
 #[cfg(target_os = "none")]
 mod led;
 #[cfg(target_os = "none")]
+mod nonce;
+#[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]
 mod port;
@@ -44,6 +46,8 @@ mod watchdog;
 
 #[cfg(target_os = "none")]
 use defmt_rtt as _;
+#[cfg(target_os = "none")]
+use twinrotor::parameters::Provenance;
 
 #[cfg(target_os = "none")]
 #[embassy_executor::main]
@@ -56,8 +60,13 @@ async fn main(spawner: embassy_executor::Spawner) {
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
     let (reports, commands) =
         tick::start(board.clock, board.port, &parameters, provenance, reset.map(|report| report.cause));
-    defmt::info!("{}: reset reported {}, {}", boards::BOARD.name, reset.is_some(), provenance.name());
-    serial::start(spawner, board.serial, storage, parameters, reset, reports, commands);
+    defmt::info!(
+        "{}: reset reported {}, parameters from flash {}",
+        boards::BOARD.name,
+        reset.is_some(),
+        provenance == Provenance::Stored
+    );
+    serial::start(spawner, board.serial, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
 

@@ -47,7 +47,7 @@ pub(crate) fn stands(state: impl FnOnce() -> ArmState) -> bool {
         NOBODY | REFUSED => false,
         GRANTED => true,
         _ => {
-            let may = matches!(state(), ArmState::Disarmed | ArmState::Ready);
+            let may = state().lets_flash_be_written();
             REQUEST.store(if may { GRANTED } else { REFUSED }, Ordering::Release);
             may
         }

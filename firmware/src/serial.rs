@@ -1,45 +1,50 @@
-//! The serial link: commands in, answers and telemetry out, both by DMA, never in the way of a tick.
+//! The serial link: bytes in and out, both by DMA, never in the way of a tick. What is answered is the core's
+//! [`Conversation`]; here is what it asks for: flash, and the tick.
 
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;
-use crate::shared::{Commands, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX};
+use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, TICKS};
 use crate::storage::Storage;
-use crate::{stack, tick, wake};
+use crate::{nonce, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_executor::Spawner;
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::{RingBufferedUartRx, Uart, UartTx};
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
-use embassy_time::{Duration, Instant};
 use static_cell::StaticCell;
-use twinrotor::link::{
-    self, Decoder, Health, Identity, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
-};
-use twinrotor::parameters::Parameters;
-use twinrotor::replay::{Replay, Replayed, Sample};
+use twinrotor::conversation::outgoing::{Outgoing, Waiting};
+use twinrotor::conversation::{Action, Board, Conversation};
+use twinrotor::first_power::Verdict;
+use twinrotor::link::{self, Decoder, Health, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost};
+use twinrotor::parameters::{Parameters, Provenance};
+use twinrotor::sequence::Numbered;
+use twinrotor::telemetry::Frame;
 
 /// Answers on their way out.
 static ANSWERS: Channel<ThreadModeRawMutex, ToHost, 2> = Channel::new();
 /// Messages that were none.
 static REJECTED: AtomicU32 = AtomicU32::new(0);
+/// Messages that were old.
+static STALE: AtomicU32 = AtomicU32::new(0);
 
 /// Spawns both directions.
 pub(crate) fn start(
     spawner: Spawner,
     uart: Uart<'static, Async>,
     storage: Storage,
-    parameters: Parameters,
+    (parameters, provenance): (Parameters, Provenance),
     reset: Option<ResetReport>,
     reports: Reports,
     commands: Commands,
 ) {
     static DMA_BUFFER: StaticCell<[u8; 512]> = StaticCell::new();
-    static REPLAY: StaticCell<Option<Replay>> = StaticCell::new();
+    static CONVERSATION: StaticCell<Conversation> = StaticCell::new();
     let (sender, receiver) = uart.split();
     let receiver = receiver.into_ring_buffered(DMA_BUFFER.init([0; 512]));
-    let replay = REPLAY.init_with(|| None);
-    let operator = Operator { storage, parameters, replay, reset, commands };
+    let board = Board { firmware: env!("CARGO_PKG_VERSION"), chip: BOARD.chip, nonce: nonce::draw(), reset };
+    let conversation = CONVERSATION.init_with(|| Conversation::new(board, parameters, provenance));
+    let operator = Operator { storage, conversation, commands };
     spawner.spawn(receive(receiver, operator).expect("spawned once"));
     spawner.spawn(send(sender, reports).expect("spawned once"));
 }
@@ -50,49 +55,30 @@ async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) 
     static DECODER: StaticCell<Decoder> = StaticCell::new();
     let decoder = DECODER.init(Decoder::new());
     let mut bytes = [0; 64];
-    answer(operator.identity()).await;
+    answer(operator.conversation.identity()).await;
     loop {
         // Noise on the line, or more than we can take: what is lost fails its CRC.
         let Ok(count) = uart.read(&mut bytes).await else { continue };
         for &byte in bytes.iter().take(count) {
-            match decoder.push(byte) {
-                None => {}
-                Some(Ok(message)) => {
-                    HEARD.store(true, Ordering::Relaxed);
-                    if let Some(message) = operator.deal_with(message).await {
-                        answer(message).await;
-                    }
-                }
-                Some(Err(LinkError::Damaged | LinkError::TooLong | LinkError::Version { .. })) => {
-                    REJECTED.fetch_add(1, Ordering::Relaxed);
-                }
+            if let Some(received) = decoder.push(byte) {
+                operator.deal_with(received).await;
             }
         }
     }
 }
 
-/// Sends answers first, then what the tick reports, once a second how the board is.
+/// Sends what there is to say.
 #[embassy_executor::task]
 async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     static BUFFER: StaticCell<[u8; MAX_FRAME]> = StaticCell::new();
     let buffer = BUFFER.init([0; MAX_FRAME]);
-    let mut next_health = Instant::now();
+    let mut outgoing = Outgoing::new();
     wake::listen();
     loop {
-        let message = if let Ok(answer) = ANSWERS.try_receive() {
-            answer
-        } else if let Some(verdict) = reports.verdicts.dequeue() {
-            ToHost::Verdict(verdict)
-        } else if Instant::now() >= next_health {
-            next_health += Duration::from_secs(1);
-            ToHost::Health(health())
-        } else if let Some(frame) = reports.frames.dequeue() {
-            ToHost::Frame(frame)
-        } else {
-            wake::woken().await;
-            continue;
-        };
-        transmit(&mut uart, &message, buffer).await;
+        match outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports) {
+            Some(message) => transmit(&mut uart, &message, buffer).await,
+            None => wake::woken().await,
+        }
     }
 }
 
@@ -103,80 +89,70 @@ async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &
     }
 }
 
-fn health() -> Health {
-    let (stack_used, stack_size) = stack::high_water();
-    Health {
-        frames_dropped: FRAMES_DROPPED.load(Ordering::Relaxed),
-        messages_rejected: REJECTED.load(Ordering::Relaxed),
-        tick_cycles_max: TICK_CYCLES_MAX.load(Ordering::Relaxed),
-        stack_used,
-        stack_size,
+impl Waiting for Reports {
+    fn answer(&mut self) -> Option<ToHost> {
+        ANSWERS.try_receive().ok()
+    }
+
+    fn verdict(&mut self) -> Option<Verdict> {
+        self.verdicts.dequeue()
+    }
+
+    fn frame(&mut self) -> Option<Frame> {
+        self.frames.dequeue()
+    }
+
+    fn health(&mut self) -> Health {
+        let (stack_used, stack_size) = stack::high_water();
+        Health {
+            frames_dropped: FRAMES_DROPPED.load(Ordering::Relaxed),
+            messages_rejected: REJECTED.load(Ordering::Relaxed),
+            messages_stale: STALE.load(Ordering::Relaxed),
+            tick_cycles_max: TICK_CYCLES_MAX.load(Ordering::Relaxed),
+            stack_used,
+            stack_size,
+        }
     }
 }
 
-/// Who does what the messages ask.
+/// Who does what comes out of the conversation.
 struct Operator {
     storage: Storage,
-    parameters: Parameters,
-    /// The record under way. In a place of its own: the task that has it is moved when it is spawned.
-    replay: &'static mut Option<Replay>,
-    reset: Option<ResetReport>,
+    /// In a place of its own: the task that has it is moved when it is spawned.
+    conversation: &'static mut Conversation,
     commands: Commands,
 }
 
 impl Operator {
-    async fn deal_with(&mut self, message: ToBoard) -> Option<ToHost> {
-        match message {
-            ToBoard::Alive => None,
-            ToBoard::Identify => Some(self.identity()),
-            ToBoard::Control(command) => {
-                let full = self.commands.enqueue(command).is_err();
-                full.then_some(ToHost::Refused(Refusal::Busy))
+    async fn deal_with(&mut self, received: Result<Numbered<ToBoard>, LinkError>) {
+        let response = self.conversation.receive(received, self.commands.ready());
+        REJECTED.store(self.conversation.rejected(), Ordering::Relaxed);
+        STALE.store(self.conversation.stale(), Ordering::Relaxed);
+        if response.heard {
+            HEARD.store(true, Ordering::Relaxed);
+        }
+        match response.action {
+            Action::Nothing => {}
+            Action::Answer(message) => answer(message).await,
+            Action::Disarm => DISARM.store(true, Ordering::Relaxed),
+            Action::Command(command) => {
+                // There is room: the conversation was told so, and only the tick makes more.
+                let _ = self.commands.enqueue(command);
             }
-            ToBoard::Telemetry { every } => {
-                FRAME_EVERY.store(every.clamp(1, 1000), Ordering::Relaxed);
-                None
+            Action::FrameEvery(ticks) => FRAME_EVERY.store(ticks, Ordering::Relaxed),
+            Action::Keep(parameters) => {
+                let outcome = self.keep(&parameters).await;
+                answer(self.conversation.kept(&parameters, outcome)).await;
             }
-            ToBoard::Replay(sample) => Some(match self.replayed(&sample) {
-                Some(replayed) => ToHost::Replayed(replayed),
-                None => ToHost::Refused(Refusal::NoReplay),
-            }),
-            ToBoard::ReadParameters => Some(ToHost::Parameters(self.parameters)),
-            ToBoard::WriteParameters(parameters) => Some(match self.keep(parameters).await {
-                Ok(()) => ToHost::Saved,
-                Err(refusal) => ToHost::Refused(refusal),
-            }),
         }
     }
 
     /// Parameters to flash, then to the tick, which keeps the motors off all the while.
-    async fn keep(&mut self, parameters: Parameters) -> Result<(), Refusal> {
-        parameters.validate()?;
+    async fn keep(&mut self, parameters: &Parameters) -> Result<(), Refusal> {
         let aside = TickAside::ask().await.ok_or(Refusal::MotorsMayTurn)?;
-        self.storage.save(&parameters)?;
-        tick::adopt(&parameters, &aside);
-        self.parameters = parameters;
-        // Half a record with one controller and half with another would be neither's.
-        *self.replay = None;
+        self.storage.save(parameters)?;
+        tick::adopt(parameters, &aside);
         Ok(())
-    }
-
-    /// One tick of a record; nothing of the control loop's. What it puts on the stack is not always there.
-    #[inline(never)]
-    fn replayed(&mut self, sample: &Sample) -> Option<Replayed> {
-        if sample.number == 0 {
-            *self.replay = Some(Replay::new(&self.parameters, sample));
-        }
-        self.replay.as_mut().map(|replay| replay.step(sample))
-    }
-
-    fn identity(&self) -> ToHost {
-        ToHost::Identity(Identity {
-            firmware: link::text(env!("CARGO_PKG_VERSION")),
-            chip: link::text(BOARD.chip),
-            parameters: twinrotor::parameters::VERSION,
-            reset: self.reset,
-        })
     }
 }
 

@@ -1,24 +1,25 @@
 //! What the tick and the thread tell each other, without a lock.
 
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
-use heapless::spsc::{Consumer, Producer};
-use twinrotor::control_loop::OperatorCommand;
+use heapless::spsc::Consumer;
+use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
 use twinrotor::telemetry::Frame;
 
 /// Room for 80 ms of telemetry at 200 frames a second.
 pub(crate) const FRAMES: usize = 16;
 pub(crate) const VERDICTS: usize = 2;
-pub(crate) const COMMANDS: usize = 4;
 /// The thread's end of what the tick reports.
 pub(crate) struct Reports {
     pub(crate) frames: Consumer<'static, Frame>,
     pub(crate) verdicts: Consumer<'static, Verdict>,
 }
-pub(crate) type Commands = Producer<'static, OperatorCommand>;
+pub(crate) type Commands = commands::Sender<'static>;
 
 /// Something came over the link since the last tick.
 pub(crate) static HEARD: AtomicBool = AtomicBool::new(false);
+/// The operator wants the motors off; nothing that else comes over the link is in its way.
+pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
 /// \[ticks\] From one frame of telemetry to the next.
 pub(crate) static FRAME_EVERY: AtomicU16 = AtomicU16::new(5);
 /// Frames that found the queue full.

@@ -2,29 +2,8 @@
 
 use crate::watchdog;
 use embassy_stm32::flash::{Bank1Region1, Blocking};
-use twinrotor::parameters::store::{AREA_OFFSET, MAX_PAYLOAD, SLOT_SIZE, Store};
-use twinrotor::parameters::{ParameterError, Parameters};
-
-/// Where the parameters in force come from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Provenance {
-    /// From flash.
-    Stored,
-    /// Nothing is stored: the defaults.
-    Missing,
-    /// What is stored cannot be used: the defaults.
-    Invalid,
-}
-
-impl Provenance {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Stored => "parameters from flash",
-            Self::Missing => "no parameters: defaults",
-            Self::Invalid => "invalid parameters: defaults",
-        }
-    }
-}
+use twinrotor::parameters::store::{AREA_OFFSET, SLOT_SIZE, Store};
+use twinrotor::parameters::{self, ParameterError, Parameters, Provenance};
 
 /// The record store of sectors 1 to 3.
 pub(crate) struct Storage {
@@ -36,21 +15,13 @@ impl Storage {
     /// The store, the parameters in force, and where they come from.
     pub(crate) fn load(flash: Bank1Region1<'static, Blocking>) -> (Self, Parameters, Provenance) {
         let mut storage = Self { store: Store::new(flash, AREA_OFFSET), buffer: [0; SLOT_SIZE] };
-        let stored = storage.store.load(&mut storage.buffer);
-        let (parameters, provenance) = match stored.map(|bytes| bytes.map(Parameters::decode)) {
-            Ok(Some(Ok(parameters))) => (parameters, Provenance::Stored),
-            Ok(None) => (defaults(), Provenance::Missing),
-            Ok(Some(Err(_))) | Err(_) => (defaults(), Provenance::Invalid),
-        };
+        let (parameters, provenance) = parameters::load(&mut storage.store, &mut storage.buffer, defaults);
         (storage, parameters, provenance)
     }
 
     /// Writes the parameters; the motors are off, and ticks may be missed meanwhile.
-    pub(crate) fn save(&mut self, parameters: &Parameters) -> Result<(), ParameterError> {
-        let mut payload = [0; MAX_PAYLOAD];
-        let payload = parameters.encode(&mut payload)?;
-        watchdog::lengthened(|| self.store.save(payload, &mut self.buffer))
-            .map_err(|_| ParameterError::Damaged)
+    pub(crate) fn save(&mut self, new: &Parameters) -> Result<(), ParameterError> {
+        watchdog::lengthened(|| parameters::save(&mut self.store, new, &mut self.buffer))
     }
 }
 

@@ -4,22 +4,22 @@ use crate::clock::{self, Clock};
 use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
-    COMMANDS, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
+    Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
     TICK_CYCLES_MAX, TICKS, VERDICTS, take,
 };
-use crate::storage::Provenance;
 use crate::{led, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
 use cortex_m::peripheral::{DCB, DWT};
 use embassy_stm32::interrupt;
-use heapless::spsc::{Consumer, Producer, Queue};
+use heapless::spsc::{Producer, Queue};
 use static_cell::StaticCell;
 use twinrotor::axes::PerMotor;
-use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
+use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
-use twinrotor::parameters::Parameters;
+use twinrotor::parameters::{Parameters, Provenance};
 use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
@@ -30,7 +30,7 @@ const TOO_LATE: u32 = clock::CYCLES * 3 / 2;
 struct Tick<P> {
     clock: Clock,
     port: P,
-    commands: Consumer<'static, OperatorCommand>,
+    commands: commands::Receiver<'static>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
     until_frame: u16,
@@ -66,7 +66,7 @@ pub(crate) fn start(
 ) -> (Reports, Commands) {
     static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
     static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
-    static COMMAND_QUEUE: StaticCell<Queue<OperatorCommand, COMMANDS>> = StaticCell::new();
+    static COMMAND_QUEUE: StaticCell<commands::Commands> = StaticCell::new();
     let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
     let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
     let (wish_end, commands) = COMMAND_QUEUE.init(Queue::new()).split();
@@ -82,9 +82,7 @@ pub(crate) fn start(
                 port.drive(),
                 reset_cause,
             ),
-            standing: Conditions::NONE
-                .with(Condition::ParametersInvalid, provenance == Provenance::Invalid)
-                .with(Condition::ParametersMissing, provenance == Provenance::Missing),
+            standing: provenance.conditions(),
         });
         (*TICK.0.get()).write(Tick {
             clock,
@@ -148,7 +146,8 @@ impl<P: PlantPort> Tick<P> {
     /// The core's tick, and what it has to report.
     #[inline(always)]
     fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
-        let command = self.commands.peek();
+        let disarm = take(&DISARM);
+        let command = commands::next(&mut self.commands, disarm);
         let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -160,12 +159,12 @@ impl<P: PlantPort> Tick<P> {
                 .with(Condition::TickOverrun, self.overrun | missed)
                 .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
             heard: take(&HEARD),
+            disarm,
             command,
         });
         self.port.write(outputs.duty, outputs.enable);
         if command.is_some() {
-            // What was peeked at is done with; nothing is moved.
-            let _ = self.commands.dequeue();
+            commands::done(&mut self.commands);
         }
         if let Some(verdict) = outputs.verdict {
             // There is one verdict a check, and checks take seconds: there is room.

@@ -9,9 +9,11 @@ use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
 use crate::monitor::{Monitor, Observation};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
+use crate::real::Real;
 use crate::reference::Reference;
+use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
-use crate::telemetry::Frame;
+use crate::telemetry::{Frame, InForce, Taken};
 use serde::{Deserialize, Serialize};
 
 /// Counters in, duties out, once a tick.
@@ -31,11 +33,15 @@ pub struct ControlLoop {
     verdict: Option<Verdict>,
     approach: Approach,
     drive: Drive<f32>,
+    /// \[V\] What the drive counts on at least.
+    supply_low: f32,
     conditions: Conditions,
     decision: Decision<f32>,
     supply: f32,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
     latched: PerMotor<f32>,
+    /// The last command, and in which tick it came.
+    taken: Option<(Sequence, u32)>,
 }
 
 /// What the board has read when a tick begins.
@@ -51,8 +57,10 @@ pub struct Inputs<'a> {
     pub senses: Conditions,
     /// A message came since the last tick.
     pub heard: bool,
-    /// What the operator wants, if anything new.
-    pub command: Option<&'a OperatorCommand>,
+    /// The operator wants the motors off. Goes before `command`, which is forgotten.
+    pub disarm: bool,
+    /// What else the operator wants, if anything new.
+    pub command: Option<&'a Numbered<OperatorCommand>>,
 }
 
 /// What the operator may want of the loop.
@@ -102,12 +110,14 @@ impl ControlLoop {
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters.limits.check),
             verdict: None,
-            approach: Approach::new(parameters.limits.approach_rate, parameters.settings.sample_time),
+            approach: Approach::new(parameters),
             drive,
+            supply_low: parameters.limits.supply_low,
             conditions: Conditions::NONE,
             decision: Decision::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
+            taken: None,
         }
     }
 
@@ -115,7 +125,8 @@ impl ControlLoop {
     pub fn adopt(&mut self, parameters: &Parameters) {
         let width = self.encoders.pitch.width();
         let counters = self.encoders.map(|encoder| encoder.reading());
-        *self = Self { tick: self.tick, ..Self::new(parameters, width, counters, self.drive, None) };
+        let new = Self::new(parameters, width, counters, self.drive, None);
+        *self = Self { tick: self.tick, taken: self.taken, ..new };
     }
 
     /// Whether the motors may turn, since the last tick.
@@ -141,35 +152,64 @@ impl ControlLoop {
     #[inline(always)]
     pub fn frame(&self) -> Frame {
         let decision = &self.decision;
+        let tick = self.tick.wrapping_sub(1);
         Frame {
-            tick: self.tick.wrapping_sub(1),
+            tick,
             state: self.state(),
             conditions: self.conditions,
             angle: decision.estimate.state.angle,
             rate: decision.estimate.state.rate,
+            disturbance: decision.estimate.disturbance,
             reference: decision.reference,
             demand: decision.allocation.demand,
+            unallocated_torque: self.unallocated_torque(),
             volts: self.latched,
             supply: self.supply,
+            taken: self.taken.map_or(Taken::default(), |(sequence, at)| Taken {
+                sequence,
+                ago: u8::try_from(tick.wrapping_sub(at)).unwrap_or(u8::MAX),
+            }),
+            controller: InForce::default(),
+        }
+    }
+
+    /// \[N m\] What the limits left over of what the law asked for.
+    fn unallocated_torque(&self) -> PerAxis<f32> {
+        if self.is_armed() {
+            self.pipeline.unallocated_torque(&self.decision.allocation)
+        } else {
+            PerAxis::zero()
         }
     }
 
     /// One tick.
     #[inline(never)]
     pub fn tick(&mut self, inputs: &Inputs<'_>) -> Outputs {
+        let command = self.take(inputs);
         let (measured, moved) = self.read_encoders(inputs.counters);
         let mut belief = self.pipeline.believe(measured, self.latched);
         self.find_conditions(inputs, &belief.estimate, moved);
-        if self.supervise(inputs.command, measured) {
+        if self.supervise(inputs.disarm, command, measured) {
             belief = self.pipeline.believe_once(measured, self.latched);
         }
-        let reference = self.follow(inputs.command);
+        let reference = self.follow(command);
         self.decide(belief, reference, measured);
         self.supply = inputs.supply;
-        let duty = self.drive.duty(self.decision.allocation.volts, inputs.supply);
-        self.latched = self.drive.volts(duty, inputs.supply);
+        // Never below what is allowed: a supply read too low would give the motors more than they should have.
+        // In this order, a NaN stays one.
+        let supply = Real::max(self.supply_low, inputs.supply);
+        let duty = self.drive.duty(self.decision.allocation.volts, supply);
+        self.latched = self.drive.volts(duty, supply);
         self.tick = self.tick.wrapping_add(1);
         Outputs { duty, enable: self.state().motors_may_turn(), verdict: self.verdict }
+    }
+
+    /// The command that counts in this tick: none where the operator disarms.
+    #[inline(always)]
+    fn take<'a>(&mut self, inputs: &Inputs<'a>) -> Option<&'a OperatorCommand> {
+        let Numbered { sequence, message } = inputs.command.filter(|_| !inputs.disarm)?;
+        self.taken = Some((*sequence, self.tick));
+        Some(message)
     }
 
     fn read_encoders(&mut self, counters: PerAxis<u32>) -> (PerAxis<f32>, PerAxis<i32>) {
@@ -190,10 +230,13 @@ impl ControlLoop {
             estimate,
             applied: self.latched,
             supply: inputs.supply,
+            supply_before: self.supply,
             current_limit: inputs.current_limit,
             demand: self.decision.allocation.demand,
             zeroed: self.zeroed,
             armed: self.is_armed(),
+            motors_may_turn: self.state().motors_may_turn(),
+            landed: self.approach.has_landed(),
             heard: inputs.heard,
         });
         // A jump means lost counts: where zero was is no longer known.
@@ -206,10 +249,11 @@ impl ControlLoop {
 
     /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so
     /// do reference and monitor.
-    fn supervise(&mut self, command: Option<&OperatorCommand>, measured: PerAxis<f32>) -> bool {
+    fn supervise(&mut self, disarm: bool, command: Option<&OperatorCommand>, measured: PerAxis<f32>) -> bool {
         let before = self.supervisor.state();
         let request = match (self.verdict.take(), command) {
             (Some(_), _) => Some(Request::Disarm),
+            _ if disarm => Some(Request::Disarm),
             (None, Some(OperatorCommand::Request(request))) => Some(*request),
             _ => None,
         };
@@ -222,7 +266,10 @@ impl ControlLoop {
                 self.monitor.restart();
                 self.approach.begin(measured);
             }
-            ArmState::Checking => self.check.restart(),
+            ArmState::Checking => {
+                self.monitor.restart();
+                self.check.restart();
+            }
             _ if before == ArmState::Armed => self.approach.level(),
             _ => {}
         }
@@ -239,7 +286,13 @@ impl ControlLoop {
             }
             _ => {}
         }
-        if self.is_armed() { self.approach.step() } else { self.approach.idle() }
+        if !self.is_armed() {
+            return self.approach.idle();
+        }
+        if self.monitor.has_just_lost_link() {
+            self.approach.lose_link();
+        }
+        self.approach.step()
     }
 
     /// Takes where the rig lies for its rest pose.

@@ -14,13 +14,16 @@ use crate::first_power::Push;
 use crate::pipeline::Settings;
 use crate::plant::presets::Rig;
 use crate::real::Real;
+use crate::supervisor::{Condition, Conditions};
 use crate::validate::{Invalid, both, not_negative, positive, require};
 use core::fmt;
+use embedded_storage::nor_flash::NorFlash;
 use serde::{Deserialize, Serialize};
+use store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 
 /// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers
 /// would mean something else; the board then keeps its motors off until a record of this version is stored.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 
 /// What a board runs with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -51,17 +54,41 @@ pub struct Limits {
     pub pitch: f32,
     /// \[rad/s\] Largest rate about each axis; above 0.
     pub rate: PerAxis<f32>,
-    /// \[V\] Lowest supply of the amplifiers; above 0.
+    /// \[V\] Lowest supply of the amplifiers; above 0. A reading below it counts as this much, so that a
+    /// wrong one never gives a motor more than this makes of its demand.
     pub supply_low: f32,
     /// \[V\] Highest supply of the amplifiers; above the lowest.
     pub supply_high: f32,
-    /// \[ticks\] How long the host may be silent while armed; at least 1.
+    /// \[ticks\] How long the host may be silent while the motors may turn; at least 1.
     pub command_timeout: u32,
+    /// What is done when it has been silent for so long.
+    pub lost_link: LostLink,
     /// \[rad/s\] How fast the reference moves from where the rig lies to the setpoint after arming; above 0.
     pub approach_rate: f32,
     /// What the first-power check gives one motor at a time, and what comes of it.
     pub check: PerMotor<Push>,
 }
+
+/// What becomes of a flight whose host has fallen silent. The first-power check always ends at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LostLink {
+    /// Motors off.
+    #[default]
+    Off,
+    /// The reference stays where it is for so long, then motors off.
+    Hold {
+        /// \[ticks\] 1 to 60,000.
+        ticks: u32,
+    },
+    /// The reference goes to the rest pose's pitch at `limits.approach_rate`, yaw stays; there, or after
+    /// [`LAND_TICKS`], motors off. A host that comes back within that time has the rig again with its next
+    /// setpoint.
+    Land,
+}
+
+/// \[ticks\] The longest landing.
+pub const LAND_TICKS: u32 = 60_000;
 
 /// A parameter that cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +109,76 @@ pub enum ParameterError {
     },
     /// The record does not fit its place on flash.
     TooLong,
+}
+
+/// Where the parameters in force come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Provenance {
+    /// From flash.
+    Stored,
+    /// Nothing is stored: they are built in.
+    Missing,
+    /// What is stored is of another version, so they are built in.
+    OtherVersion {
+        /// The version stored.
+        found: u16,
+    },
+    /// What is stored is damaged or out of range, so they are built in.
+    Damaged,
+}
+
+/// The parameters that a board boots with: those in `store`, or else the built-in ones. `buffer` is room to
+/// work in.
+pub fn load<F: NorFlash>(
+    store: &mut Store<F>,
+    buffer: &mut [u8; SLOT_SIZE],
+    built_in: impl FnOnce() -> Parameters,
+) -> (Parameters, Provenance) {
+    let provenance = match store.load(buffer).map(|bytes| bytes.map(Parameters::decode)) {
+        Ok(Some(Ok(parameters))) => return (parameters, Provenance::Stored),
+        Ok(Some(Err(error))) => Provenance::without(error),
+        Ok(None) => Provenance::Missing,
+        Err(_) => Provenance::Damaged,
+    };
+    (built_in(), provenance)
+}
+
+/// Keeps `parameters` in `store`. `buffer` is room to work in.
+///
+/// # Errors
+/// [`ParameterError::Damaged`] if the flash does not hold them.
+pub fn save<F: NorFlash>(
+    store: &mut Store<F>,
+    parameters: &Parameters,
+    buffer: &mut [u8; SLOT_SIZE],
+) -> Result<(), ParameterError> {
+    let mut payload = [0; MAX_PAYLOAD];
+    let payload = parameters.encode(&mut payload)?;
+    store.save(payload, buffer).map_err(|_| ParameterError::Damaged)
+}
+
+impl Provenance {
+    /// Of the parameters that a board falls back on because of `error`.
+    #[must_use]
+    pub const fn without(error: ParameterError) -> Self {
+        match error {
+            ParameterError::Version { found } => Self::OtherVersion { found },
+            _ => Self::Damaged,
+        }
+    }
+
+    /// What it says against arming.
+    #[must_use]
+    pub const fn conditions(self) -> Conditions {
+        let (missing, invalid) = match self {
+            Self::Stored => (false, false),
+            Self::Missing => (true, false),
+            Self::OtherVersion { .. } | Self::Damaged => (false, true),
+        };
+        Conditions::NONE
+            .with(Condition::ParametersMissing, missing)
+            .with(Condition::ParametersInvalid, invalid)
+    }
 }
 
 /// What is wrong, and what to do about it.
@@ -109,8 +206,7 @@ impl core::error::Error for ParameterError {}
 impl Parameters {
     /// For a rig and a controller: settings as given, the rest as the rig has it.
     ///
-    /// The supply may be between half the motors' limit and 25 % above it. The host may be silent for half a
-    /// second. The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit:
+    /// The host may be silent for half a second; then the motors are switched off. The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit:
     /// with less, real friction holds the yaw axis of an Aero, which needs 7 to 8 V to break away.
     pub fn new(rig: &Rig, settings: &Settings<f64>) -> Self {
         let scale = |counts: u32, rest: f64| {
@@ -120,16 +216,16 @@ impl Parameters {
                 rest_counts: round(rest / angle_per_count),
             }
         };
-        let highest = rig.volts_limit.main.max(rig.volts_limit.tail);
         Self {
             settings: settings.map(f32::from_f64),
             encoders: rig.encoder_counts.zip(rig.rest_angle, scale),
             limits: Limits {
                 pitch: f32::from_f64(rig.envelope.pitch),
                 rate: rig.envelope.rate.cast(),
-                supply_low: f32::from_f64(0.5 * highest),
-                supply_high: f32::from_f64(1.25 * highest),
+                supply_low: f32::from_f64(rig.supply.lowest),
+                supply_high: f32::from_f64(rig.supply.highest),
                 command_timeout: 500,
+                lost_link: LostLink::Off,
                 approach_rate: 0.5,
                 check: Push::predicted(rig, rig.volts_limit.map(|limit| 0.5 * limit)),
             },
@@ -204,10 +300,13 @@ impl Limits {
         positive("limits.supply_low", self.supply_low)?;
         let above = self.supply_low < self.supply_high;
         require("limits.supply_high", self.supply_high, above, "above limits.supply_low")?;
-        #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
-        let ticks = self.command_timeout as f32;
-        let allowed = (1..=60_000).contains(&self.command_timeout);
-        require("limits.command_timeout", ticks, allowed, "1 to 60000 ticks")?;
+        let ticks = |field, ticks: u32| {
+            #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
+            require(field, ticks as f32, (1..=60_000).contains(&ticks), "1 to 60000 ticks")
+        };
+        ticks("limits.command_timeout", self.command_timeout)?;
+        let hold = if let LostLink::Hold { ticks } = self.lost_link { ticks } else { 1 };
+        ticks("limits.lost_link.ticks", hold)?;
         positive("limits.approach_rate", self.approach_rate)?;
         let volts = |field, push: Push, limit, allowed| {
             require(field, push.volts, push.volts > 0.0 && push.volts <= limit, allowed)

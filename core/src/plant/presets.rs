@@ -17,6 +17,9 @@ pub struct Rig {
     pub plant: PlantParameters<f64>,
     /// \[V\] Most that may be applied to each motor, either way.
     pub volts_limit: PerMotor<f64>,
+    /// What feeds the amplifiers. Not the motors' limit: an amplifier gives them a part of it.
+    #[serde(default = "laboratory_supply")]
+    pub supply: Supply,
     /// \[V\] At which the slope of the thrust curve is taken for a law that thinks it straight.
     pub nominal_volts: f64,
     /// Encoder counts a revolution, all four edges counted.
@@ -30,6 +33,27 @@ pub struct Rig {
     /// The motors, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<MotorConstants>,
+}
+
+/// The amplifiers' supply.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Supply {
+    /// \[V\] As it should be.
+    pub nominal: f64,
+    /// \[V\] Least with which the motors may turn; an amplifier never counts on less.
+    pub lowest: f64,
+    /// \[V\] Most with which the motors may turn.
+    pub highest: f64,
+}
+
+/// 24 V, as the power amplifiers of all these rigs have it (user manuals of Aero and Aero 2: 24 V DC), or a
+/// laboratory's supply of 18 V, which is the most that an Aero 2's motors should get; a tenth and a fifth of
+/// tolerance.
+const SUPPLY: Supply = Supply { nominal: 24.0, lowest: 16.0, highest: 29.0 };
+
+const fn laboratory_supply() -> Supply {
+    SUPPLY
 }
 
 /// Bounds of safe motion; beyond them the motors are cut.
@@ -105,6 +129,7 @@ pub const PAPER: Rig = Rig {
         coulomb_friction: PerAxis::both(0.0),
     },
     volts_limit: PerMotor::both(24.0),
+    supply: SUPPLY,
     nominal_volts: 0.0,
     encoder_counts: PerAxis::new(2880, 4096),
     pwm_steps: PWM_STEPS,
@@ -243,6 +268,7 @@ impl Rig {
         self.plant.effectiveness_at(self.nominal_volts).validate_inverse()?;
         positive("volts_limit.main", self.volts_limit.main)?;
         positive("volts_limit.tail", self.volts_limit.tail)?;
+        self.supply.validate()?;
         for (field, counts) in [
             ("encoder_counts.pitch", self.encoder_counts.pitch),
             ("encoder_counts.yaw", self.encoder_counts.yaw),
@@ -268,6 +294,16 @@ impl Rig {
     }
 }
 
+impl Supply {
+    fn validate(&self) -> Result<(), Invalid> {
+        positive("supply.lowest", self.lowest)?;
+        let Self { nominal, lowest, highest } = *self;
+        require("supply.nominal", nominal, lowest <= nominal, "at least supply.lowest")?;
+        let above = highest.is_finite() && nominal <= highest && lowest < highest;
+        require("supply.highest", highest, above, "above supply.lowest and at least supply.nominal")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,6 +313,21 @@ mod tests {
         for (name, rig) in ALL {
             assert_eq!(rig.validate(), Ok(()), "{name}");
         }
+    }
+
+    /// Every rig flies from its nominal supply, whatever its motors may get.
+    #[test]
+    fn the_range_of_the_supply_holds_the_nominal_one_and_is_checked() {
+        for (name, rig) in ALL {
+            let Supply { nominal, lowest, highest } = rig.supply;
+            assert!(lowest <= nominal && nominal <= highest, "{name}");
+            let most = rig.volts_limit.main.max(rig.volts_limit.tail);
+            assert!(most <= nominal, "{name}: the supply can give what the motors may get");
+        }
+        let wrong = |supply| Rig { supply, ..AERO2 }.validate().unwrap_err().field;
+        assert_eq!(wrong(Supply { lowest: 0.0, ..SUPPLY }), "supply.lowest");
+        assert_eq!(wrong(Supply { nominal: 12.0, ..SUPPLY }), "supply.nominal");
+        assert_eq!(wrong(Supply { highest: 20.0, ..SUPPLY }), "supply.highest");
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub enum Condition {
     CurrentLimit,
     /// The supply is below or above the range of [`crate::parameters::Limits`].
     SupplyRange,
+    /// The supply's reading changed by more in one tick than a supply can.
+    SupplyJump,
     /// The supply was not measured anew, or an encoder timer does not count.
     SensorStale,
     /// Pitch moved further in one tick than the rig can.
@@ -40,7 +42,7 @@ pub enum Condition {
     NonFinite,
     /// A tick did not end before the next one was due, or one was left out.
     TickOverrun,
-    /// Armed, and the host has been silent for too long.
+    /// Armed or checking, and the host has been silent for too long.
     CommandTimeout,
     /// The stack has come close to its end.
     StackGuard,
@@ -66,10 +68,11 @@ pub enum Condition {
 
 impl Condition {
     /// Every condition, in the order of its bit.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::EmergencyStop,
         Self::CurrentLimit,
         Self::SupplyRange,
+        Self::SupplyJump,
         Self::SensorStale,
         Self::PitchJump,
         Self::YawJump,
@@ -110,6 +113,7 @@ impl Conditions {
         Condition::EmergencyStop,
         Condition::CurrentLimit,
         Condition::SupplyRange,
+        Condition::SupplyJump,
         Condition::SensorStale,
         Condition::PitchJump,
         Condition::YawJump,
@@ -123,6 +127,10 @@ impl Conditions {
         Condition::StackGuard,
         Condition::ParametersInvalid,
     ]);
+
+    /// What prevents the first-power check beside the hazards: without the rig's parameters, nobody knows how
+    /// far its motors may be driven.
+    pub const NO_CHECK: Self = Self::of(&[Condition::ParametersMissing]);
 
     /// The set of these conditions.
     #[must_use]
@@ -199,6 +207,12 @@ impl ArmState {
     #[must_use]
     pub const fn motors_may_turn(self) -> bool {
         matches!(self, Self::Armed | Self::Checking)
+    }
+
+    /// Whether parameters may be written now, which stops the tick: motors off, and no fault to be cleared.
+    #[must_use]
+    pub const fn lets_flash_be_written(self) -> bool {
+        matches!(self, Self::Disarmed | Self::Ready)
     }
 
     const fn row(self) -> usize {
@@ -335,10 +349,10 @@ fn event(hazards: Conditions, present: Conditions, request: Option<Request>) -> 
         _ if !hazards.is_empty() => Event::Hazard,
         Some(Request::Disarm) => Event::Disarm,
         Some(Request::ClearFault) => Event::ClearFault,
-        Some(Request::Check) => Event::Check,
+        Some(Request::Check) if present.intersection(Conditions::NO_CHECK).is_empty() => Event::Check,
         _ if !present.is_empty() => Event::Blocked,
         Some(Request::Arm) => Event::Arm,
-        None => Event::Free,
+        Some(Request::Check) | None => Event::Free,
     }
 }
 

@@ -11,7 +11,7 @@ const STATES: [ArmState; 5] = [
 const REQUESTS: [Option<Request>; 5] =
     [None, Some(Request::Arm), Some(Request::Disarm), Some(Request::ClearFault), Some(Request::Check)];
 
-/// Every state with every request under no condition, and under each single one: 5 x 5 x 24 cases.
+/// Every state with every request under no condition, and under each single one: 5 x 5 x 25 cases.
 fn every_case() -> impl Iterator<Item = (ArmState, Option<Request>, Conditions, ArmState)> {
     let sets: Vec<Conditions> = core::iter::once(Conditions::NONE)
         .chain(Condition::ALL.map(|condition| Conditions::of(&[condition])))
@@ -89,11 +89,12 @@ fn ready_means_that_nothing_prevents_arming() {
 }
 
 #[test]
-fn the_check_starts_without_zero_and_parameters_but_not_with_a_hazard() {
+fn the_check_starts_without_zero_but_not_with_a_hazard_or_without_the_rigs_parameters() {
+    let parameters = Conditions::of(&[Condition::ParametersMissing, Condition::ParametersInvalid]);
     for (from, request, present, to) in every_case() {
         if request == Some(Request::Check) && matches!(from, ArmState::Disarmed | ArmState::Ready) {
-            let safe = present.intersection(Conditions::HAZARDS).is_empty();
-            assert_eq!(to == ArmState::Checking, safe);
+            let prevents = Conditions::HAZARDS.union(parameters);
+            assert_eq!(to == ArmState::Checking, present.intersection(prevents).is_empty());
         }
     }
 }

@@ -12,7 +12,9 @@ import struct
 import sys
 import zlib
 
-MESSAGES_VERSION, RECORD_VERSION = 2, 4
+MESSAGES_VERSION, RECORD_VERSION = 3, 5
+# Of the boot that messages are meant for.
+NONCE = 0x89AB_CDEF
 
 
 def numbers(count, first=1):
@@ -50,35 +52,42 @@ def numbered_record():
     settings += whole(2) + f(1)  # allocation: weighted
     settings += some + f(1) + some + f(2)  # lead, cancellation
     encoders = f(1) + signed(-1) + f(1) + signed(300)
-    limits = f(5) + whole(500) + f(1) + f(14)
+    limits = f(5) + whole(500) + whole(1) + whole(2_000) + f(1) + f(14)  # lost link: hold, 2,000 ticks
     return settings + encoders + limits + some
 
 
 def to_board():
+    nonce = whole(NONCE)
     yield "alive", whole(0)
     yield "identify", whole(1)
-    for number, request in enumerate(["arm", "disarm", "clear-fault", "check"]):
-        yield f"control-{request}", whole(2) + whole(0) + whole(number)
-    yield "control-setpoint", whole(2) + whole(1) + numbers(6)
-    yield "control-zero", whole(2) + whole(2)
-    yield "telemetry", whole(3) + whole(1000)
-    yield "read-parameters", whole(4)
-    yield "write-parameters", whole(5) + numbered_record()
+    yield "disarm", whole(2)
+    yield "setpoint", whole(3) + numbers(6)
+    yield "zero", whole(4)
+    yield "arm", whole(5) + nonce
+    yield "clear-fault", whole(6) + nonce
+    yield "check", whole(7) + nonce
+    yield "telemetry", whole(8) + whole(1000)
+    yield "read-parameters", whole(9)
+    yield "write-parameters", whole(10) + nonce + numbered_record()
     sample = whole(70_000) + signed(-3) + signed(1_000_000) + numbers(2)
-    yield "replay", whole(6) + sample + b"\x00"
-    yield "replay-wanted", whole(6) + sample + b"\x01" + numbers(6, 3)
+    yield "replay", whole(11) + sample + b"\x00"
+    yield "replay-wanted", whole(11) + sample + b"\x01" + numbers(6, 3)
 
 
 def to_host():
-    tail = whole(1 << 22 | 1 << 3 | 1) + numbers(11)
+    tail = numbers(15) + whole(40_000) + b"\x07" + whole(1) + whole(2) + b"\x32"
+    conditions = whole(1 << 23 | 1 << 4 | 1)
     for number, state in enumerate(["disarmed", "ready", "checking", "armed"]):
-        yield f"frame-{state}", whole(0) + whole(86_400_000) + whole(number) + tail
-    for number in range(23):
-        yield f"frame-fault-{number}", whole(0) + whole(1) + whole(4) + whole(number) + whole(0) + numbers(11)
-    yield "health", whole(1) + whole(1) + whole(2) + whole(150_000) + whole(4) + whole(16_384)
+        yield f"frame-{state}", whole(0) + whole(86_400_000) + whole(number) + conditions + tail
+    for number in range(24):
+        yield f"frame-fault-{number}", whole(0) + whole(1) + whole(4) + whole(number) + whole(0) + tail
+    yield "health", whole(1) + whole(1) + whole(2) + whole(3) + whole(150_000) + whole(4) + whole(16_384)
     identity = whole(2) + text("0.1.0") + text("stm32f405rg") + whole(RECORD_VERSION)
-    yield "identity", identity + b"\x00"
-    yield "identity-reset", identity + b"\x01" + whole(19) + whole(0x0801_2345) + whole(7)
+    boot = whole(NONCE) + whole(300)
+    yield "identity", identity + whole(0) + boot + b"\x00"
+    yield "identity-reset", identity + whole(1) + boot + b"\x01" + whole(20) + whole(0x0801_2345) + whole(7)
+    yield "identity-other-version", identity + whole(2) + whole(4) + boot + b"\x00"
+    yield "identity-damaged", identity + whole(3) + boot + b"\x00"
     yield "parameters", whole(3) + numbered_record()
     yield "saved", whole(4)
     yield "verdict-passed", whole(5) + whole(0)
@@ -89,9 +98,11 @@ def to_host():
     yield "verdict-restless", whole(5) + whole(3)
     yield "replayed", whole(6) + whole(9) + numbers(6) + b"\x00"
     yield "replayed-wanted", whole(6) + whole(9) + numbers(6) + b"\x01" + numbers(2, 7)
-    for number, refusal in enumerate(["motors-may-turn", "no-replay", "busy", "flash"]):
+    for number, refusal in enumerate(["motors-may-turn", "no-replay", "busy", "nonce", "no-parameters"]):
         yield f"refused-{refusal}", whole(7) + whole(number)
-    yield "refused-range", whole(7) + whole(4) + text("limits.pitch") + text("above 0")
+    yield "refused-setpoint", whole(7) + whole(5) + text("setpoint.angle.pitch") + numbers(2)
+    yield "refused-flash", whole(7) + whole(6)
+    yield "refused-range", whole(7) + whole(7) + text("limits.pitch") + text("above 0")
 
 
 def choices():
@@ -132,9 +143,10 @@ def slot(payload):
 
 
 def lines():
-    for side, messages in [("to-board", to_board()), ("to-host", to_host())]:
-        for name, message in messages:
-            yield f"{side}/{name}", framed(message)
+    for number, (name, message) in enumerate(to_board()):
+        yield f"to-board/{name}", framed(whole(40_000 + number) + message)
+    for name, message in to_host():
+        yield f"to-host/{name}", framed(message)
     for name, payload in choices():
         yield f"choice/{name}", payload
     record = whole(RECORD_VERSION) + numbered_record()

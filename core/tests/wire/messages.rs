@@ -4,14 +4,19 @@ use crate::record::numbered;
 use crate::{compare, counting};
 use serde::Serialize;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::{Fault, Motor, Verdict};
-use twinrotor::link::{Health, Identity, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost, encode, text};
-use twinrotor::parameters;
+use twinrotor::link::{
+    Health, Identity, MAX_FRAME, Nonce, Refusal, ResetReport, ToBoard, ToHost, encode, text,
+};
+use twinrotor::parameters::{self, Provenance};
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replayed, Sample};
-use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
-use twinrotor::telemetry::Frame;
+use twinrotor::sequence::Sequence;
+use twinrotor::supervisor::{ArmState, Condition, Conditions};
+use twinrotor::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
+
+/// Of the boot that messages are meant for.
+const NONCE: Nonce = Nonce(0x89AB_CDEF);
 
 fn framed(message: &impl Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).unwrap().to_vec()
@@ -32,7 +37,7 @@ fn reference(first: u8) -> Reference<f32> {
 
 #[test]
 fn every_message_to_the_board_is_its_literal() {
-    let request = |request| ToBoard::Control(OperatorCommand::Request(request));
+    let nonce = NONCE;
     let replay = |wanted| {
         let (counts, volts) = (PerAxis { pitch: -3, yaw: 1_000_000 }, PerMotor { main: 1.0, tail: 2.0 });
         ToBoard::Replay(Sample { number: 70_000, counts, volts, wanted })
@@ -40,19 +45,25 @@ fn every_message_to_the_board_is_its_literal() {
     let messages = [
         ("alive", ToBoard::Alive),
         ("identify", ToBoard::Identify),
-        ("control-arm", request(Request::Arm)),
-        ("control-disarm", request(Request::Disarm)),
-        ("control-clear-fault", request(Request::ClearFault)),
-        ("control-check", request(Request::Check)),
-        ("control-setpoint", ToBoard::Control(OperatorCommand::Setpoint(reference(1)))),
-        ("control-zero", ToBoard::Control(OperatorCommand::Zero)),
+        ("disarm", ToBoard::Disarm),
+        ("setpoint", ToBoard::Setpoint(reference(1))),
+        ("zero", ToBoard::Zero),
+        ("arm", ToBoard::Arm(nonce)),
+        ("clear-fault", ToBoard::ClearFault(nonce)),
+        ("check", ToBoard::Check(nonce)),
         ("telemetry", ToBoard::Telemetry { every: 1000 }),
         ("read-parameters", ToBoard::ReadParameters),
-        ("write-parameters", ToBoard::WriteParameters(numbered())),
+        ("write-parameters", ToBoard::WriteParameters(nonce, numbered())),
         ("replay", replay(None)),
         ("replay-wanted", replay(Some(reference(3)))),
     ];
-    compare("to-board/", messages.iter().map(|(name, message)| (*name, framed(message))));
+    let sequence = (40_000..).map(Sequence);
+    let framed = messages.into_iter().zip(sequence).map(|((name, message), sequence)| {
+        let alone = message.clone().meant_for(NONCE);
+        assert_eq!(alone, message, "{name} is meant for that boot");
+        (name, framed(&message.numbered(sequence)))
+    });
+    compare("to-board/", framed);
 }
 
 fn frame(tick: u32, state: ArmState, conditions: &[Condition]) -> ToHost {
@@ -63,10 +74,14 @@ fn frame(tick: u32, state: ArmState, conditions: &[Condition]) -> ToHost {
         conditions: Conditions::of(conditions),
         angle: axes(n),
         rate: axes(n),
+        disturbance: axes(n),
         reference: axes(n),
         demand: motors(n),
+        unallocated_torque: axes(n),
         volts: motors(n),
         supply: n(),
+        taken: Taken { sequence: Sequence(40_000), ago: 7 },
+        controller: InForce { accepted: Kept::Unsaved, trial: TrialPhase::FadingIn, blend: 50 },
     })
 }
 
@@ -83,6 +98,7 @@ fn frames() -> Vec<(String, ToHost)> {
         Condition::EmergencyStop,
         Condition::CurrentLimit,
         Condition::SupplyRange,
+        Condition::SupplyJump,
         Condition::SensorStale,
         Condition::PitchJump,
         Condition::YawJump,
@@ -133,14 +149,22 @@ fn verdicts() -> Vec<(String, ToHost)> {
 }
 
 fn answers() -> Vec<(String, ToHost)> {
-    let identity = |reset| {
-        let (firmware, chip) = (text("0.1.0"), text("stm32f405rg"));
-        ToHost::Identity(Identity { firmware, chip, parameters: parameters::VERSION, reset })
+    let identity = |provenance, reset| {
+        ToHost::Identity(Identity {
+            firmware: text("0.1.0"),
+            chip: text("stm32f405rg"),
+            parameters: parameters::VERSION,
+            provenance,
+            nonce: NONCE,
+            expected: Sequence(300),
+            reset,
+        })
     };
     let reset = ResetReport { cause: Condition::ResetByPanic, program_counter: 0x0801_2345, ticks: 7 };
     let health = Health {
         frames_dropped: 1,
         messages_rejected: 2,
+        messages_stale: 3,
         tick_cycles_max: 150_000,
         stack_used: 4,
         stack_size: 16_384,
@@ -150,11 +174,14 @@ fn answers() -> Vec<(String, ToHost)> {
         let (angle, rate, disturbance) = (axes(n), axes(n), axes(n));
         ToHost::Replayed(Replayed { number: 9, angle, rate, disturbance, volts })
     };
+    let setpoint = Refusal::Setpoint { field: text("setpoint.angle.pitch"), low: 1.0, high: 2.0 };
     let range = Refusal::Range { field: text("limits.pitch"), allowed: text("above 0") };
     [
         ("health", ToHost::Health(health)),
-        ("identity", identity(None)),
-        ("identity-reset", identity(Some(reset))),
+        ("identity", identity(Provenance::Stored, None)),
+        ("identity-reset", identity(Provenance::Missing, Some(reset))),
+        ("identity-other-version", identity(Provenance::OtherVersion { found: 4 }, None)),
+        ("identity-damaged", identity(Provenance::Damaged, None)),
         ("parameters", ToHost::Parameters(numbered())),
         ("saved", ToHost::Saved),
         ("replayed", replayed(None)),
@@ -162,6 +189,9 @@ fn answers() -> Vec<(String, ToHost)> {
         ("refused-motors-may-turn", ToHost::Refused(Refusal::MotorsMayTurn)),
         ("refused-no-replay", ToHost::Refused(Refusal::NoReplay)),
         ("refused-busy", ToHost::Refused(Refusal::Busy)),
+        ("refused-nonce", ToHost::Refused(Refusal::Nonce)),
+        ("refused-no-parameters", ToHost::Refused(Refusal::NoParameters)),
+        ("refused-setpoint", ToHost::Refused(setpoint)),
         ("refused-flash", ToHost::Refused(Refusal::Flash)),
         ("refused-range", ToHost::Refused(range)),
     ]

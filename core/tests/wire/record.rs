@@ -15,7 +15,7 @@ use twinrotor::law::{
 use twinrotor::lead::Lead;
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
-use twinrotor::parameters::{EncoderScale, Limits, Parameters};
+use twinrotor::parameters::{EncoderScale, Limits, LostLink, Parameters};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::{Effectiveness, PlantParameters};
 
@@ -80,6 +80,7 @@ pub(crate) fn numbered() -> Parameters {
         supply_low: n(),
         supply_high: n(),
         command_timeout: 500,
+        lost_link: LostLink::Hold { ticks: 2_000 },
         approach_rate: n(),
         check: PerMotor { main: push(n), tail: push(n) },
     };

@@ -14,12 +14,13 @@ use twinrotor::encoder::{CounterWidth, angle_per_count};
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::{Push, REST_TICKS};
 use twinrotor::monitor::SUPPLY_TICKS;
-use twinrotor::parameters::{EncoderScale, Limits, Parameters};
+use twinrotor::parameters::{EncoderScale, Limits, LostLink, Parameters};
 use twinrotor::pipeline::{Decision, Pipeline, Settings};
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Conditions, Request};
 
 /// What happened in one tick.
@@ -159,6 +160,7 @@ impl BoardLoop {
                 supply_low: 0.5 * bench.supply,
                 supply_high: 2.0 * bench.supply,
                 command_timeout: 60_000,
+                lost_link: LostLink::Off,
                 approach_rate: 1e9,
                 check: PerMotor::both(Push::default()),
             },
@@ -189,7 +191,8 @@ impl BoardLoop {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            command: command.as_ref(),
+            disarm: false,
+            command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
         })
     }
 }

@@ -2,7 +2,6 @@
 
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::estimator::Estimate;
 use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
@@ -48,7 +47,7 @@ pub fn take_off(station: &mut Station, told: &mut impl FnMut(&Frame)) -> Result<
     }
     // Refused for as long as the rig still swings.
     for _ in 0..PATIENCE / 500 {
-        station.send(&ToBoard::Control(OperatorCommand::Zero));
+        station.send(&ToBoard::Zero);
         wait(station, 500, told)?;
         if !station.heard.conditions().contains(&Condition::NotZeroed) {
             break;
@@ -113,7 +112,7 @@ pub fn fly(
             stay(station, std::mem::take(&mut left), told)?;
         }
         if reference != sent {
-            station.send(&ToBoard::Control(OperatorCommand::Setpoint(reference)));
+            station.send(&ToBoard::Setpoint(reference));
             sent = reference;
         }
         if disturbance != blown {

@@ -4,11 +4,11 @@
 
 use std::time::Duration;
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::OperatorCommand;
-use twinrotor::link::{self, Decoder, Identity, MAX_FRAME, Refusal, ToBoard, ToHost};
+use twinrotor::link::{self, Decoder, Identity, LinkError, MAX_FRAME, Nonce, Refusal, ToBoard, ToHost};
 use twinrotor::parameters::{self, Parameters};
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replayed, Sample};
+use twinrotor::sequence::Sequence;
 use twinrotor::supervisor::Request;
 use twinrotor_sim::{Error, Outcome};
 
@@ -68,10 +68,20 @@ struct Pending {
 }
 
 /// An operator's program with a board at the other end. Time is any that does not run backwards.
+///
+/// A board takes a message only with a number newer than any before, and what may turn a motor only for the
+/// boot that it says it is in ([`twinrotor::link`]). So until it has said who it is, it is asked, and what is
+/// to be sent waits; motors off does not.
 #[derive(Debug, Default)]
 pub struct Client {
     decoder: Decoder,
     outgoing: Vec<u8>,
+    /// Number of the next message.
+    sequence: Sequence,
+    /// Of the board's boot, once it has said so.
+    nonce: Option<Nonce>,
+    /// What waits for that.
+    unsent: Vec<ToBoard>,
     pending: Option<Pending>,
     silent: bool,
     alive_at: Duration,
@@ -93,24 +103,55 @@ impl Client {
         self.outgoing.push(0);
     }
 
-    /// Sends a message.
-    ///
-    /// # Panics
-    ///
-    /// Never: every message fits its frame.
+    /// Sends a message, numbered and meant for the board's present boot: whatever [`Nonce`] is in it does not
+    /// count.
     pub fn send(&mut self, message: &ToBoard) {
+        match (self.nonce, message) {
+            (Some(nonce), _) => self.transmit(message.clone().meant_for(nonce)),
+            (None, ToBoard::Disarm | ToBoard::Identify) => self.transmit(message.clone()),
+            (None, ToBoard::Alive) => self.transmit(ToBoard::Identify),
+            (None, _) => {
+                if self.unsent.is_empty() {
+                    self.transmit(ToBoard::Identify);
+                }
+                self.unsent.push(message.clone());
+            }
+        }
+    }
+
+    fn transmit(&mut self, message: ToBoard) {
         let mut buffer = [0; MAX_FRAME];
-        self.outgoing.extend(link::encode(message, &mut buffer).expect("every message fits its frame"));
+        let numbered = message.numbered(self.sequence);
+        self.sequence = self.sequence.next();
+        self.outgoing.extend(link::encode(&numbered, &mut buffer).expect("every message fits its frame"));
+    }
+
+    /// Learns how to speak to the board, and says what has waited for that.
+    fn meet(&mut self, identity: &Identity) {
+        // What it expects may be older than what is on its way to it.
+        if identity.expected.is_newer_than(self.sequence) {
+            self.sequence = identity.expected;
+        }
+        self.nonce = Some(identity.nonce);
+        for message in std::mem::take(&mut self.unsent) {
+            self.send(&message);
+        }
     }
 
     /// Asks something of the supervisor.
     pub fn request(&mut self, request: Request) {
-        self.send(&ToBoard::Control(OperatorCommand::Request(request)));
+        let nonce = Nonce::default();
+        self.send(&match request {
+            Request::Arm => ToBoard::Arm(nonce),
+            Request::Disarm => ToBoard::Disarm,
+            Request::ClearFault => ToBoard::ClearFault(nonce),
+            Request::Check => ToBoard::Check(nonce),
+        });
     }
 
     /// Wants the helicopter at rest there \[rad\].
     pub fn aim(&mut self, angle: PerAxis<f32>) {
-        self.send(&ToBoard::Control(OperatorCommand::Setpoint(Reference::at_rest(angle))));
+        self.send(&ToBoard::Setpoint(Reference::at_rest(angle)));
     }
 
     /// Asks a question; one that is not answered yet is given up.
@@ -118,7 +159,9 @@ impl Client {
         match &question {
             Question::Identify => self.send(&ToBoard::Identify),
             Question::Read => self.send(&ToBoard::ReadParameters),
-            Question::Write(parameters) => self.send(&ToBoard::WriteParameters(**parameters)),
+            Question::Write(parameters) => {
+                self.send(&ToBoard::WriteParameters(Nonce::default(), **parameters));
+            }
             Question::Replay(samples) => self.send_samples(samples),
         }
         self.pending = Some(Pending { question, replayed: Vec::new(), deadline: now + PATIENCE });
@@ -136,9 +179,15 @@ impl Client {
         for &byte in bytes {
             match self.decoder.push::<ToHost>(byte) {
                 Some(Ok(message)) => {
+                    if let ToHost::Identity(identity) = &message {
+                        self.meet(identity);
+                    }
                     let answered = self.pending.take().and_then(|pending| self.take(pending, &message, now));
                     events.push(Event::Message(message));
                     events.extend(answered.map(Event::Answered));
+                }
+                Some(Err(error @ LinkError::Version { .. })) if self.pending.take().is_some() => {
+                    events.push(Event::Answered(Err(Error::Failed(error.to_string()))));
                 }
                 Some(Err(_)) => events.push(Event::Damaged),
                 None => {}
@@ -232,6 +281,13 @@ fn explained(refusal: &Refusal) -> String {
         }
         Refusal::NoReplay => "the board has lost the beginning of the record: begin again".to_owned(),
         Refusal::Busy => "the board is busy: try again".to_owned(),
+        Refusal::Nonce => "the board has been reset since it said who it is: begin again".to_owned(),
+        Refusal::NoParameters => {
+            "no first-power check with built-in parameters: write those of the rig first".to_owned()
+        }
+        Refusal::Setpoint { field, low, high } => {
+            format!("the board refuses {field}; allowed: {low} to {high}")
+        }
         Refusal::Flash => "the board's flash did not hold what was written".to_owned(),
         Refusal::Range { field, allowed } => format!("the board refuses {field}; allowed: {allowed}"),
     }

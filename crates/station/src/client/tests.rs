@@ -2,10 +2,13 @@ use super::*;
 use std::collections::VecDeque;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::conversation::{self, Action, Conversation};
 use twinrotor::gains;
+use twinrotor::parameters::Provenance;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;
 use twinrotor::replay::Replay;
+use twinrotor::sequence::Numbered;
 use twinrotor::telemetry::Frame;
 
 fn parameters() -> Parameters {
@@ -13,14 +16,31 @@ fn parameters() -> Parameters {
 }
 
 /// A board that answers as the firmware does, telemetry and noise in between.
-#[derive(Default)]
 struct Wire {
     decoder: Decoder,
-    kept: Option<Parameters>,
+    board: Conversation,
+    refuses: bool,
     forgets: bool,
     version: u16,
-    replay: Option<Replay>,
     out: VecDeque<u8>,
+}
+
+impl Default for Wire {
+    fn default() -> Self {
+        let board =
+            conversation::Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: Nonce(7), reset: None };
+        let mut board = Conversation::new(board, parameters(), Provenance::Missing);
+        // It has talked to somebody before.
+        board.receive(Ok(ToBoard::Alive.numbered(Sequence(20_000))), true);
+        Self {
+            decoder: Decoder::new(),
+            board,
+            refuses: false,
+            forgets: false,
+            version: parameters::VERSION,
+            out: VecDeque::new(),
+        }
+    }
 }
 
 impl Wire {
@@ -30,37 +50,20 @@ impl Wire {
             self.out.extend(link::encode(message, &mut [0; MAX_FRAME]).unwrap());
         }
     }
-}
 
-impl Wire {
     fn take(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            match self.decoder.push::<ToBoard>(byte) {
-                Some(Ok(ToBoard::Identify)) => self.say(&ToHost::Identity(Identity {
-                    firmware: link::text("0.1.0"),
-                    chip: link::text("stm32f405rg"),
-                    parameters: self.version,
-                    reset: None,
-                })),
-                Some(Ok(ToBoard::WriteParameters(new))) if new.limits.command_timeout == 1 => {
-                    self.say(&ToHost::Refused(Refusal::MotorsMayTurn));
+            let Some(received) = self.decoder.push(byte) else { continue };
+            match self.board.receive(received, true).action {
+                Action::Answer(ToHost::Identity(identity)) => {
+                    self.say(&ToHost::Identity(Identity { parameters: self.version, ..identity }));
                 }
-                Some(Ok(ToBoard::WriteParameters(new))) => {
-                    self.kept = Some(new);
-                    self.say(&ToHost::Saved);
-                }
-                Some(Ok(ToBoard::ReadParameters)) => {
-                    let kept = if self.forgets { None } else { self.kept };
-                    self.say(&ToHost::Parameters(
-                        kept.unwrap_or(Parameters { checked: true, ..parameters() }),
-                    ));
-                }
-                Some(Ok(ToBoard::Replay(sample))) => {
-                    if sample.number == 0 {
-                        self.replay = Some(Replay::new(&parameters(), &sample));
-                    }
-                    let answer = self.replay.as_mut().map(|replay| replay.step(&sample));
-                    self.say(&answer.map_or(ToHost::Refused(Refusal::NoReplay), ToHost::Replayed));
+                Action::Answer(answer) => self.say(&answer),
+                Action::Keep(_) if self.forgets => self.say(&ToHost::Saved),
+                Action::Keep(new) => {
+                    let outcome = if self.refuses { Err(Refusal::MotorsMayTurn) } else { Ok(()) };
+                    let answer = self.board.kept(&new, outcome);
+                    self.say(&answer);
                 }
                 _ => {}
             }
@@ -95,21 +98,22 @@ fn write(wire: &mut Wire, parameters: Parameters) -> Outcome<Answer> {
 
 #[test]
 fn parameters_are_sent_read_back_and_compared() {
-    let mut wire = Wire { version: parameters::VERSION, ..Wire::default() };
+    let mut wire = Wire::default();
     let Answer::Identity(identity) = ask(&mut wire, Question::Identify).unwrap() else { panic!("who") };
     assert_eq!(identity.chip, "stm32f405rg");
-    write(&mut wire, parameters()).unwrap();
-    assert_eq!(wire.kept, Some(parameters()));
+    let mut other = parameters();
+    other.limits.command_timeout = 250;
+    write(&mut wire, other).unwrap();
+    assert_eq!(wire.board.parameters(), &other);
 }
 
 #[test]
 fn a_board_that_forgets_refuses_or_speaks_another_version_is_told() {
-    let mut forgetful = Wire { forgets: true, ..Wire::default() };
-    let error = write(&mut forgetful, parameters()).unwrap_err();
+    let mut other = parameters();
+    other.limits.command_timeout = 250;
+    let error = write(&mut Wire { forgets: true, ..Wire::default() }, other).unwrap_err();
     assert!(error.to_string().contains("other parameters"), "{error}");
-    let mut refused = parameters();
-    refused.limits.command_timeout = 1;
-    let error = write(&mut Wire::default(), refused).unwrap_err();
+    let error = write(&mut Wire { refuses: true, ..Wire::default() }, other).unwrap_err();
     assert!(error.to_string().contains("disarm"), "{error}");
     let error = ask(&mut Wire { version: 99, ..Wire::default() }, Question::Identify).unwrap_err();
     assert!(error.to_string().contains("version 99") && !error.is_input(), "{error}");
@@ -145,16 +149,65 @@ fn a_board_that_says_nothing_is_given_up_and_one_that_answers_slowly_is_not() {
 
 #[test]
 fn an_attentive_operator_says_so_ten_times_a_second() {
-    let mut client = Client::new();
+    let mut client = Client { nonce: Some(Nonce(1)), ..Client::new() };
     let mut decoder = Decoder::new();
     let mut said = |client: &mut Client| {
         (0..1_000).for_each(|k| assert!(client.poll(Duration::from_millis(k)).is_none()));
         client.alive_at = Duration::ZERO;
-        let mut alive = |byte: &u8| matches!(decoder.push(*byte), Some(Ok(ToBoard::Alive)));
+        let mut alive = |byte: &u8| {
+            let said = decoder.push::<Numbered<ToBoard>>(*byte);
+            matches!(said, Some(Ok(Numbered { message: ToBoard::Alive, .. })))
+        };
         let bytes = client.take_outgoing();
         bytes.iter().filter(|byte| alive(byte)).count()
     };
     assert_eq!(said(&mut client), 10);
     client.set_attentive(false);
     assert_eq!(said(&mut client), 0);
+}
+
+/// What a client has to say, as a board takes it.
+fn said(client: &mut Client) -> Vec<Numbered<ToBoard>> {
+    let mut decoder = Decoder::new();
+    client.take_outgoing().iter().filter_map(|&byte| decoder.push(byte)).map(Result::unwrap).collect()
+}
+
+/// Motors off needs to know nothing of the board; all else waits until it has said who it is.
+#[test]
+fn a_board_is_met_before_it_is_asked_for_anything_but_motors_off() {
+    let mut client = Client::new();
+    client.request(Request::Arm);
+    client.aim(PerAxis::new(0.1, 0.2));
+    client.request(Request::Disarm);
+    let kinds: Vec<ToBoard> = said(&mut client).into_iter().map(|numbered| numbered.message).collect();
+    assert_eq!(kinds, [ToBoard::Identify, ToBoard::Disarm]);
+    let mut wire = Wire::default();
+    let identity = link::encode(&wire.board.identity(), &mut [0; MAX_FRAME]).unwrap().to_vec();
+    client.push(&identity, Duration::ZERO);
+    let setpoint = ToBoard::Setpoint(Reference::at_rest(PerAxis::new(0.1, 0.2)));
+    let expected = [ToBoard::Arm(Nonce(7)).numbered(Sequence(20_001)), setpoint.numbered(Sequence(20_002))];
+    assert_eq!(said(&mut client), expected);
+    // The board's own word of what it expects comes late: what is on its way is not said twice.
+    client.push(&identity, Duration::ZERO);
+    client.request(Request::Check);
+    assert_eq!(said(&mut client), [ToBoard::Check(Nonce(7)).numbered(Sequence(20_003))]);
+    // Another boot has another nonce.
+    let board = conversation::Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: Nonce(8), reset: None };
+    wire.board = Conversation::new(board, parameters(), Provenance::Missing);
+    let identity = link::encode(&wire.board.identity(), &mut [0; MAX_FRAME]).unwrap().to_vec();
+    client.push(&identity, Duration::ZERO);
+    client.request(Request::Check);
+    assert_eq!(said(&mut client), [ToBoard::Check(Nonce(8)).numbered(Sequence(20_004))]);
+}
+
+/// Older firmware: its telemetry alone tells.
+#[test]
+fn another_version_of_the_link_says_who_must_be_updated() {
+    let mut client = Client::new();
+    client.ask(Question::Identify, Duration::ZERO);
+    // A frame of version 2: COBS of version, variant 4 (saved) and CRC-32.
+    let old = [0x07, 0x02, 0x04, 0x64, 0xB4, 0x82, 0x74, 0x00];
+    let events = client.push(&old, Duration::ZERO);
+    let [Event::Answered(Err(error))] = events.as_slice() else { panic!("{events:?}") };
+    assert!(error.to_string().ends_with("update the board's firmware"), "{error}");
 }

@@ -1,6 +1,5 @@
 //! From power-on to the first arming.
 
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
@@ -55,7 +54,7 @@ fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
     let mut station = board_with(&rig, &unchecked);
     station.machine.rig(move |helicopter: &mut Helicopter| spoil(helicopter));
     rest(&mut station);
-    station.send(&ToBoard::Control(OperatorCommand::Zero));
+    station.send(&ToBoard::Zero);
     station.run(100);
     assert_eq!(station.heard.conditions(), [Condition::NotChecked]);
     station.request(Request::Arm);

@@ -2,7 +2,7 @@
 //! says, and the motors are off at most two ticks later.
 
 use twinrotor::axes::PerAxis;
-use twinrotor::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
+use twinrotor::monitor::CURRENT_TICKS;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
@@ -10,7 +10,7 @@ use virtual_board::machine::Live;
 use virtual_board::record;
 use virtual_board::station::Station;
 
-use super::{board_with, both, flying_with, make_ready, paper_parameters};
+use super::{board_with, both, flying, flying_with, make_ready, paper_parameters};
 
 /// The tick in which the fault came, and its cause.
 #[track_caller]
@@ -84,17 +84,28 @@ fn the_amplifiers_current_limit() {
 }
 
 #[test]
-fn a_supply_too_low() {
-    expect(Condition::SupplyRange, SUPPLY_TICKS + 1, |station| {
-        with_rig(station, |heli| heli.set_supply(5.0))
-    });
+fn a_supply_that_is_read_too_low_or_too_high_at_once() {
+    for wrong in [0.5, 5.0, 33.0] {
+        // One tick until the converter has the new value.
+        expect(Condition::SupplyJump, 2, move |station| {
+            with_rig(station, move |heli| heli.set_supply(wrong))
+        });
+    }
 }
 
 #[test]
-fn a_supply_too_high() {
-    expect(Condition::SupplyRange, SUPPLY_TICKS + 1, |station| {
-        with_rig(station, |heli| heli.set_supply(33.0))
-    });
+fn a_supply_that_sinks_or_rises_out_of_its_range() {
+    for (factor, last) in [(0.95, 15.0), (1.05, 30.0)] {
+        let mut station = flying();
+        let mut supply = f64::from(station.heard.frames.last().expect("frames").supply);
+        while (supply < last) == (factor > 1.0) {
+            supply *= factor;
+            with_rig(&mut station, move |heli| heli.set_supply(supply));
+            station.run(4);
+        }
+        station.run(50);
+        assert_eq!(fault(&station).1, Condition::SupplyRange);
+    }
 }
 
 #[test]

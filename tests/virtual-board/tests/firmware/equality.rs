@@ -11,6 +11,7 @@ use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::reference::Reference;
+use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::telemetry::Frame;
 use virtual_board::chip::timer::Drive;
@@ -71,7 +72,8 @@ impl Host {
             current_limit: false,
             senses: Conditions::NONE,
             heard: true,
-            command: command.as_ref(),
+            disarm: false,
+            command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
         });
         (control, outputs)
     }
@@ -122,7 +124,7 @@ fn fly(
 }
 
 fn bits(frame: &Frame) -> Vec<u32> {
-    let axes = [frame.angle, frame.rate, frame.reference];
+    let axes = [frame.angle, frame.rate, frame.disturbance, frame.reference, frame.unallocated_torque];
     let motors = [frame.demand, frame.volts];
     let axes = axes.iter().flat_map(|axis| [axis.pitch, axis.yaw]);
     let motors = motors.iter().flat_map(|motor| [motor.main, motor.tail]);
@@ -228,7 +230,7 @@ fn sign_magnitude_never_drives_both_inputs_of_a_bridge_and_obeys_the_emergency_s
     let unchecked = Parameters { checked: false, ..parameters };
     let mut station = start(sign_magnitude().with_image(ADDRESS, image(&[unchecked])), &rig);
     rest(&mut station);
-    station.send(&ToBoard::Control(OperatorCommand::Zero));
+    station.send(&ToBoard::Zero);
     station.run(50);
     station.request(Request::Check);
     assert!(station.run_until(400_000, |heard| !heard.verdicts.is_empty()));

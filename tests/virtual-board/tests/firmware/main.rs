@@ -13,7 +13,6 @@ mod timing;
 use std::sync::OnceLock;
 
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Parameters;
@@ -52,7 +51,7 @@ fn rest(station: &mut Station) {
 #[track_caller]
 fn make_ready(station: &mut Station) {
     rest(station);
-    station.send(&ToBoard::Control(OperatorCommand::Zero));
+    station.send(&ToBoard::Zero);
     station.await_state(200, ArmState::Ready);
 }
 

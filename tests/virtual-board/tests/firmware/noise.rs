@@ -1,10 +1,9 @@
 //! Nonsense on the serial line.
 
 use twinrotor::axes::PerAxis;
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::link::{MAX_FRAME, ToBoard, encode};
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::Request;
+use twinrotor::sequence::Sequence;
 
 use super::flying;
 
@@ -27,11 +26,12 @@ impl Chance {
 /// Bytes that are no message: noise, or a message with its end missing or a bit turned round.
 fn nonsense(chance: &mut Chance) -> Vec<u8> {
     let messages = [
-        ToBoard::Control(OperatorCommand::Request(Request::Disarm)),
-        ToBoard::Control(OperatorCommand::Zero),
-        ToBoard::Control(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::new(0.5, -0.5)))),
+        ToBoard::Disarm,
+        ToBoard::Zero,
+        ToBoard::Setpoint(Reference::at_rest(PerAxis::new(0.5, -0.5))),
         ToBoard::Telemetry { every: 1 },
-    ];
+    ]
+    .map(|message| message.numbered(Sequence(30_000)));
     let mut buffer = [0; MAX_FRAME];
     let whole = encode(&messages[chance.below(messages.len())], &mut buffer).expect("room").to_vec();
     match chance.below(3) {

@@ -1,6 +1,6 @@
 //! Parameters in flash: read at boot, written over the link, kept.
 
-use twinrotor::link::{Refusal, ToBoard};
+use twinrotor::link::{Nonce, Refusal, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition};
@@ -34,7 +34,7 @@ pub(super) fn read(station: &mut Station) -> Parameters {
 #[track_caller]
 pub(super) fn save(station: &mut Station, record: &Parameters) {
     let known = station.heard.saved;
-    station.send(&ToBoard::WriteParameters(*record));
+    station.send(&ToBoard::WriteParameters(Nonce::default(), *record));
     let answered = station.run_until(2_000, |heard| heard.saved > known);
     assert!(answered, "{}", station.heard.summary());
 }
@@ -66,7 +66,7 @@ fn parameters_out_of_range_are_refused_by_name() {
     station.run(50);
     let mut wrong = variant(2);
     wrong.limits.pitch = -1.0;
-    station.send(&ToBoard::WriteParameters(wrong));
+    station.send(&ToBoard::WriteParameters(Nonce::default(), wrong));
     station.run(500);
     let named =
         matches!(&station.heard.refusals[..], [Refusal::Range { field, .. }] if field == "limits.pitch");
@@ -78,7 +78,7 @@ fn parameters_out_of_range_are_refused_by_name() {
 fn parameters_are_not_written_while_the_motors_turn() {
     let mut station = flying();
     let written = station.machine.with(|board| board.board().chip().flash().log.len());
-    station.send(&ToBoard::WriteParameters(variant(9)));
+    station.send(&ToBoard::WriteParameters(Nonce::default(), variant(9)));
     station.run(500);
     assert_eq!(station.heard.refusals, [Refusal::MotorsMayTurn]);
     assert_eq!(station.heard.state(), Some(ArmState::Armed));

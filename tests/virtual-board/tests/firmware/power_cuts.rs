@@ -3,7 +3,7 @@
 //! page, cut off at 0, 25, 50, 75 and 100 % of its duration; and two cuts in a row, sampled.
 
 use embedded_storage::nor_flash::NorFlash;
-use twinrotor::link::ToBoard;
+use twinrotor::link::{Nonce, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::{AREA_SIZE, PAGE_SIZE, RamFlash};
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
@@ -67,7 +67,7 @@ fn in_force(bytes: &[u8]) -> Option<Parameters> {
 fn save_in_vain(station: &mut Station, record: u16, cut: Cut) {
     let boots = station.heard.identities.len();
     station.machine.with(move |board| board.board().chip().flash().plan(&[cut]));
-    station.send(&ToBoard::WriteParameters(variant(record)));
+    station.send(&ToBoard::WriteParameters(Nonce::default(), variant(record)));
     let rebooted = station.run_until(2_000, |heard| heard.identities.len() > boots);
     assert!(rebooted, "{cut:?}: {}", station.heard.summary());
     let all_cut = station.machine.with(|board| board.board().chip().flash().all_cut());

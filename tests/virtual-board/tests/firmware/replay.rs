@@ -1,7 +1,7 @@
 //! A record through the board's own estimator and law, over the link: the host's bits.
 
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::link::{Refusal, ToBoard};
+use twinrotor::link::{Nonce, Refusal, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{RealPlant, State};
@@ -76,7 +76,7 @@ fn other_parameters_end_a_record() {
     let mut station = board_with(&rig, &parameters);
     station.run(100);
     assert_eq!(station.replay(&samples[..4]).map(|answers| answers.len()), Ok(4));
-    station.send(&ToBoard::WriteParameters(parameters));
+    station.send(&ToBoard::WriteParameters(Nonce::default(), parameters));
     assert!(station.run_until(2_000, |heard| heard.saved == 1));
     station.send(&ToBoard::Replay(samples[4]));
     station.run(20);

@@ -1,7 +1,6 @@
 //! What ends the firmware against its will: the amplifiers go off first, and the next boot says why.
 
 use rigless::device::ResetCause;
-use twinrotor::control_loop::OperatorCommand;
 use twinrotor::link::ToBoard;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition, Request};
@@ -35,7 +34,7 @@ fn assert_reported(station: &mut Station, cause: Condition) {
     station.machine.rig(|helicopter: &mut Helicopter| helicopter.hold());
     station.request(Request::ClearFault);
     rest(station);
-    station.send(&ToBoard::Control(OperatorCommand::Zero));
+    station.send(&ToBoard::Zero);
     station.await_state(500, ArmState::Ready);
 }
 

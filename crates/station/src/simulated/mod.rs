@@ -1,0 +1,236 @@
+//! A board that is simulated with its rig: the core's loop, conversation and record store on a bench, tick by
+//! tick. What the firmware does beside that, transport and flash, is here bytes in a vector and flash in RAM.
+
+use twinrotor::SAMPLE_TIME;
+use twinrotor::bench::Bench;
+use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::conversation::commands::{self, Commands};
+use twinrotor::conversation::outgoing::{Outgoing, Waiting};
+use twinrotor::conversation::{Action, Board, Conversation};
+use twinrotor::drive::Drive;
+use twinrotor::encoder::CounterWidth;
+use twinrotor::first_power::Verdict;
+use twinrotor::link::{Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, encode};
+use twinrotor::parameters::ram_flash::RamFlash;
+use twinrotor::parameters::store::{SLOT_SIZE, Store};
+use twinrotor::parameters::{self, Parameters};
+use twinrotor::plant::presets::Rig;
+use twinrotor::supervisor::{ArmState, Conditions};
+use twinrotor::telemetry::Frame;
+
+/// \[ticks\] From frame to frame, until the host says otherwise; the firmware's.
+const FRAME_EVERY: u16 = 5;
+
+/// A board and its rig.
+pub struct SimulatedBoard {
+    /// The rig: faults, supply and disturbances may be set at any time.
+    pub bench: Bench<f32>,
+    /// What else is wrong, as only a board can see: the emergency stop, for example.
+    pub senses: Conditions,
+    control: ControlLoop,
+    conversation: Conversation,
+    flash: Store<RamFlash>,
+    built_in: Parameters,
+    pwm_steps: u32,
+    commands: Commands,
+    disarm: bool,
+    heard: bool,
+    frame_every: u16,
+    until_frame: u16,
+    decoder: Decoder,
+    reports: Reports,
+    outgoing: Outgoing,
+    sent: Vec<u8>,
+    boots: u32,
+}
+
+/// What waits to be said.
+#[derive(Debug, Default)]
+struct Reports {
+    answers: Vec<ToHost>,
+    verdict: Option<Verdict>,
+    frame: Option<Frame>,
+    messages_rejected: u32,
+    messages_stale: u32,
+}
+
+impl Waiting for Reports {
+    fn answer(&mut self) -> Option<ToHost> {
+        (!self.answers.is_empty()).then(|| self.answers.remove(0))
+    }
+
+    fn verdict(&mut self) -> Option<Verdict> {
+        self.verdict.take()
+    }
+
+    fn frame(&mut self) -> Option<Frame> {
+        self.frame.take()
+    }
+
+    fn health(&mut self) -> Health {
+        let Self { messages_rejected, messages_stale, .. } = *self;
+        Health { messages_rejected, messages_stale, ..Health::default() }
+    }
+}
+
+impl SimulatedBoard {
+    /// `rig` in its rest pose; a board that has just booted with what is in `flash`, or else with the
+    /// parameters `built_in`.
+    pub fn new(rig: &Rig, built_in: Parameters, flash: RamFlash) -> Self {
+        let bench = Bench::at_rest(rig, SAMPLE_TIME);
+        let mut flash = Store::new(flash, 0);
+        let (control, conversation) = boot(&bench, rig.pwm_steps, &mut flash, built_in, 0);
+        Self {
+            bench,
+            senses: Conditions::NONE,
+            reports: Reports { answers: vec![conversation.identity()], ..Reports::default() },
+            control,
+            conversation,
+            flash,
+            built_in,
+            pwm_steps: rig.pwm_steps,
+            commands: Commands::new(),
+            disarm: false,
+            heard: false,
+            frame_every: FRAME_EVERY,
+            until_frame: 0,
+            decoder: Decoder::new(),
+            outgoing: Outgoing::new(),
+            sent: Vec::new(),
+            boots: 0,
+        }
+    }
+
+    /// The board's supply comes back: it boots with what is in flash, and the rig stays where it is.
+    #[must_use]
+    pub fn reset(self) -> Self {
+        let Self { bench, mut flash, built_in, pwm_steps, senses, boots, .. } = self;
+        let boots = boots.wrapping_add(1);
+        let (control, conversation) = boot(&bench, pwm_steps, &mut flash, built_in, boots);
+        let reports = Reports { answers: vec![conversation.identity()], ..Reports::default() };
+        Self {
+            bench,
+            senses,
+            control,
+            conversation,
+            flash,
+            reports,
+            commands: Commands::new(),
+            disarm: false,
+            heard: false,
+            frame_every: FRAME_EVERY,
+            until_frame: 0,
+            decoder: Decoder::new(),
+            outgoing: Outgoing::new(),
+            sent: Vec::new(),
+            boots,
+            ..self
+        }
+    }
+
+    /// Takes what came over the line.
+    pub fn push(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            let Some(received) = self.decoder.push(byte) else { continue };
+            let (mut sender, _) = self.commands.split();
+            let response = self.conversation.receive(received, sender.ready());
+            self.heard |= response.heard;
+            match response.action {
+                Action::Nothing => {}
+                Action::Answer(message) => self.reports.answers.push(message),
+                Action::Disarm => self.disarm = true,
+                Action::Command(command) => {
+                    // The conversation was told that there is room.
+                    let _ = sender.enqueue(command);
+                }
+                Action::FrameEvery(ticks) => self.frame_every = ticks,
+                Action::Keep(parameters) => {
+                    let outcome = self.keep(&parameters);
+                    self.reports.answers.push(self.conversation.kept(&parameters, outcome));
+                }
+            }
+        }
+        self.reports.messages_rejected = self.conversation.rejected();
+        self.reports.messages_stale = self.conversation.stale();
+    }
+
+    fn keep(&mut self, parameters: &Parameters) -> Result<(), Refusal> {
+        if !self.control.state().lets_flash_be_written() {
+            return Err(Refusal::MotorsMayTurn);
+        }
+        parameters::save(&mut self.flash, parameters, &mut [0; SLOT_SIZE])?;
+        self.control.adopt(parameters);
+        Ok(())
+    }
+
+    /// A millisecond passes.
+    pub fn tick(&mut self) {
+        let disarm = std::mem::take(&mut self.disarm);
+        let (_, mut receiver) = self.commands.split();
+        let command = commands::next(&mut receiver, disarm);
+        let outputs = self.control.tick(&Inputs {
+            counters: self.bench.counters(),
+            supply: self.bench.supply,
+            current_limit: false,
+            senses: self.senses.union(self.conversation.standing()),
+            heard: std::mem::take(&mut self.heard),
+            disarm,
+            command,
+        });
+        if command.is_some() {
+            commands::done(&mut receiver);
+        }
+        // It lies on a table until it is armed.
+        self.bench.set_table(self.control.state() != ArmState::Armed);
+        self.bench.tick(outputs.duty, outputs.enable);
+        self.reports.verdict = self.reports.verdict.or(outputs.verdict);
+        self.until_frame = self.until_frame.saturating_sub(1);
+        if self.until_frame == 0 {
+            self.until_frame = self.frame_every;
+            self.reports.frame = Some(self.control.frame());
+        }
+        self.say();
+    }
+
+    /// Everything that waits, on to the line.
+    fn say(&mut self) {
+        while let Some(message) = self.outgoing.next(self.control.next_tick(), &mut self.reports) {
+            let mut buffer = [0; MAX_FRAME];
+            self.sent.extend(encode(&message, &mut buffer).expect("every message fits its frame"));
+        }
+    }
+
+    /// What has been sent; it is forgotten here.
+    pub fn take_outgoing(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.sent)
+    }
+
+    /// The last tick, whether it was sent or not.
+    pub fn frame(&self) -> Frame {
+        self.control.frame()
+    }
+
+    /// What is stored.
+    pub fn into_flash(self) -> RamFlash {
+        self.flash.into_flash()
+    }
+}
+
+/// What a board does first.
+fn boot(
+    bench: &Bench<f32>,
+    pwm_steps: u32,
+    flash: &mut Store<RamFlash>,
+    built_in: Parameters,
+    boots: u32,
+) -> (ControlLoop, Conversation) {
+    let (parameters, provenance) = parameters::load(flash, &mut [0; SLOT_SIZE], || built_in);
+    let drive = Drive::new(pwm_steps);
+    let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
+    let board =
+        Board { firmware: env!("CARGO_PKG_VERSION"), chip: "simulated", nonce: Nonce(boots), reset: None };
+    (control, Conversation::new(board, parameters, provenance))
+}
+
+#[cfg(test)]
+mod tests;
