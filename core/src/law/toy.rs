@@ -66,7 +66,7 @@ fn a_law_is_a_file_and_a_line() {
     assert_eq!((error.field, error.value, error.allowed), ("pitch.stiffness", 5.0, "0 to 2"));
 
     // Stored, it is its place in the list and its numbers; a law that was there before is what it was.
-    let mut buffer = [0; 32];
+    let mut buffer = [0; 64];
     let stored = postcard::to_slice(&settings.map(f32::from_f64), &mut buffer).unwrap();
     assert_eq!(stored, [1, 0, 0, 0, 63, 0, 0, 0, 63]);
     let paper = postcard::to_slice(&LawSettings::Backstepping(gains::PAPER), &mut buffer).unwrap();
