@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes core/src/defaults.rs, the controllers that boards boot with, from the gains files in gains/.
 
-With --check it writes nothing and fails if the file is not what it would write. Needs Python 3.11, nothing else.
+With --check it writes nothing and fails if the file is not what it would write. Needs Python 3.11 alone.
 """
 
 import pathlib
@@ -15,6 +15,7 @@ TARGET = ROOT / "core/src/defaults.rs"
 LIST = re.search(r"pub const ALL: .*?];\n", (ROOT / "core/src/plant/presets.rs").read_text(), re.DOTALL)
 PRESETS = re.findall(r'\("([\w-]+)", \w+\)', LIST.group())
 WIDTH = 110
+LABORATORY = "EstimatorSettings::laboratory(100.0)"
 
 # Which structure holds the gains of one axis, by the law's name.
 AXIS_GAINS = {
@@ -62,7 +63,7 @@ def choice(field, kind, table, default):
     ((key, value),) = inner.items()
     shown = pair(value) if isinstance(value, dict) else repr(value)
     line = f"    {field}: {kind}::{camel(name)} {{ {key}: {shown} }},"
-    # As rustfmt breaks a structure of one field: beyond its share of the width, or if it has a call in it.
+    # As rustfmt breaks it: a call inside is too wide for one line.
     if isinstance(value, dict):
         return [f"    {field}: {kind}::{camel(name)} {{", f"        {key}: {shown},", "    },"]
     return [line]
@@ -76,17 +77,20 @@ def controller(name):
         f"/// For [`presets::{constant}`]({path}): `gains/{name}.toml`.",
         f"pub const {constant}: ControllerSettings<f64> = ControllerSettings {{",
         *law(document),
-        *choice("estimator", "EstimatorSettings", document.get("estimator"), "EstimatorSettings::laboratory(100.0)"),
+        *choice("estimator", "EstimatorSettings", document.get("estimator"), LABORATORY),
     ]
     if shaping := document.get("filter"):
         lines += ["    filter: Some(FilterSettings {", f"        bandwidth: {pair(shaping['bandwidth'])},"]
-        lines += [f"        {key}: {optional(shaping.get(key), pair)}," for key in ("damping", "advance", "reach")]
+        for key in ("damping", "advance", "reach"):
+            lines.append(f"        {key}: {optional(shaping.get(key), pair)},")
         lines.append("    }),")
     else:
         lines.append("    filter: None,")
-    lines += choice("allocation", "AllocationSettings", document.get("allocation"), "AllocationSettings::Clamp")
+    allocation = document.get("allocation")
+    lines += choice("allocation", "AllocationSettings", allocation, "AllocationSettings::Clamp")
     lead = optional(document.get("lead"), lambda table: f"Lead {{ factor: {table['factor']!r} }}")
-    lines += [f"    lead: {lead},", f"    cancellation: {optional(document.get('cancellation'), pair)},", "};", ""]
+    cancellation = optional(document.get("cancellation"), pair)
+    lines += [f"    lead: {lead},", f"    cancellation: {cancellation},", "};", ""]
     return lines, document["controller"]
 
 
@@ -94,6 +98,7 @@ def generated():
     parts, laws = zip(*(controller(name) for name in PRESETS))
     body = [line for lines in parts for line in lines]
     structures = sorted({AXIS_GAINS[name] for name in laws} - {"AxisGains"} | {"LawSettings"})
+    braced = "{" + ", ".join(structures) + "}"
     imports = [
         "use crate::allocation::AllocationSettings;",
         "use crate::axes::PerAxis;",
@@ -101,13 +106,13 @@ def generated():
         "use crate::controller::ControllerSettings;",
         "use crate::estimator::EstimatorSettings;",
         *(["use crate::gains::AxisGains;"] if "backstepping" in laws else []),
-        f"use crate::law::{{{', '.join(structures)}}};" if len(structures) > 1 else "use crate::law::LawSettings;",
+        f"use crate::law::{structures[0] if len(structures) == 1 else braced};",
         *(["use crate::lead::Lead;"] if any("Lead {" in line for line in body) else []),
     ]
     head = [
-        "//! The controllers that boards boot with, one for each preset: the numbers of the committed gains files,",
-        "//! which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the host holds the",
-        "//! two equal.",
+        "//! The controllers that boards boot with, one for each preset: the numbers of the committed gains",
+        "//! files, which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the host",
+        "//! holds the two equal.",
         "",
     ]
     table = [f'    ("{name}", {name.upper().replace("-", "_")}),' for name in PRESETS]

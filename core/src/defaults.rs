@@ -1,6 +1,6 @@
-//! The controllers that boards boot with, one for each preset: the numbers of the committed gains files,
-//! which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the host holds the
-//! two equal.
+//! The controllers that boards boot with, one for each preset: the numbers of the committed gains
+//! files, which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the host
+//! holds the two equal.
 
 use crate::allocation::AllocationSettings;
 use crate::axes::PerAxis;

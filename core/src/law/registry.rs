@@ -20,7 +20,8 @@ macro_rules! laws {
         }
 
         impl<R: Real> Law<R> {
-            /// Ready to start; `sample_time` \[s\]. `effectiveness` \[N m/V\] serves laws that think in volts.
+            /// Ready to start; `sample_time` \[s\]. `effectiveness` \[N m/V\] serves laws that think in
+            /// volts.
             pub fn new(settings: &LawSettings<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
                 Self::start(*settings, effectiveness, sample_time)
             }
@@ -31,7 +32,9 @@ macro_rules! laws {
 
             fn start(gains: LawSettings<R>, effectiveness: Effectiveness<R>, sample_time: R) -> Self {
                 match gains {
-                    $( LawSettings::$law(gains) => Self::$law($law::start(gains, effectiveness, sample_time)), )+
+                    $( LawSettings::$law(gains) => {
+                        Self::$law($law::start(gains, effectiveness, sample_time))
+                    } )+
                 }
             }
 

@@ -1,5 +1,7 @@
 //! A law that only tests have: that a file and a line in the list are all that a law takes.
 
+#![allow(dead_code, unreachable_pub, reason = "a test needs a part of what the macros make")]
+
 use super::registry::laws;
 use super::{Backstepping, ControlLaw, Situation};
 use crate::allocation::Allocation;

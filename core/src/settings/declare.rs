@@ -35,7 +35,8 @@ macro_rules! settings {
 
         table! {
             [<R>] [$name<R>] at ($($place),+) {
-                $( $(#[doc = $doc])+ $field: ($($type)+) $unit, $range, typical $low to $high, default $default; )+
+                $( $(#[doc = $doc])+ $field: ($($type)+) $unit, $range,
+                   typical $low to $high, default $default; )+
             }
         }
 
@@ -49,7 +50,8 @@ macro_rules! settings {
             }
 
             fn change<F: FnMut(usize, R) -> R>(&mut self, first: usize, f: &mut F) -> usize {
-                $( let first = <$($type)+ as $crate::settings::Leaves<R>>::change(&mut self.$field, first, f); )+
+                use $crate::settings::Leaves;
+                $( let first = <$($type)+ as Leaves<R>>::change(&mut self.$field, first, f); )+
                 first
             }
         }
@@ -134,7 +136,8 @@ macro_rules! settings_rows {
         $($rest:tt)*
     ) => {
         settings_rows! {
-            @field $for [$($done)* $( {concat!($place, stringify!($field), $leaf), $about} )+] $later $place $($rest)*
+            @field $for [$($done)* $( {concat!($place, stringify!($field), $leaf), $about} )+]
+            $later $place $($rest)*
         }
     };
 }

@@ -15,7 +15,6 @@ mod leaves;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
-mod wire_tests;
 
 pub use leaves::{Build, Fixed, Leaves};
 
