@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/stage.sh
 
-stage "tests on the host" cargo test --workspace --exclude firmware
+stage "tests on the host" cargo test --workspace --exclude firmware --features host-sim/formats
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tunes the committed gains of every preset, or of those named, from their seeds: the same files, byte for byte.
-# Three to five minutes for each preset on two cores.
+# Tunes the committed gains of every preset, or of those named, from their seeds: the same files, byte for
+# byte. Three to five minutes for each preset on two cores.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --release -q -p host-sim
@@ -8,24 +8,27 @@ rough=$(mktemp -d)
 trap 'rm -r "$rough"' EXIT
 
 search() {
-    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --fidelity rig --algorithm fpa-adaptive \
+    "${CARGO_TARGET_DIR:-target}/release/host-sim" tune --objective robust --algorithm fpa-adaptive \
         --population 25 --iterations 39 "$@"
 }
 
-# tune PRESET CONTROLLER FILE SEED [LIMITS]: from the design on 32 plants, from there on 256, from there on 1,024.
+# tune PRESET CONTROLLER FILE SEED [LIMITS]: from the design on 32 plants, from there on 256, from there on
+# 1,024.
 tune() {
     preset=$1 file=$3 seed=$4 limits=${5:+--at-most $5}
-    search --preset "$preset" --controller "$2" --rounds 4 --plants 32 --seed "$seed" --out "$rough/first.toml"
+    search --preset "$preset" --controller "$2" --rounds 4 --plants 32 --seed "$seed" \
+        --out "$rough/first.toml"
     seed=$((seed + 1))
     # shellcheck disable=SC2086  # two words or none
-    search --preset "$preset" --start "$rough/first.toml" --rounds 4 --range 1.8 --plants 256 --seed $seed $limits \
-        --out "$rough/second.toml"
+    search --preset "$preset" --start "$rough/first.toml" --rounds 4 --range 1.8 --plants 256 --seed $seed \
+        $limits --out "$rough/second.toml"
     # shellcheck disable=SC2086
-    search --preset "$preset" --start "$rough/second.toml" --rounds 3 --range 1.4 --plants 1024 --seed $seed $limits \
-        --out "$file"
+    search --preset "$preset" --start "$rough/second.toml" --rounds 3 --range 1.4 --plants 1024 --seed $seed \
+        $limits --out "$file"
 }
 
-# tune_tight PRESET CONTROLLER FILE SEED LIMITS LIMITS: where limits leave little room, further and towards them in two steps.
+# tune_tight PRESET CONTROLLER FILE SEED LIMITS LIMITS: where limits leave little room, further and towards
+# them in two steps.
 tune_tight() {
     search --preset "$1" --controller "$2" --rounds 4 --plants 32 --seed "$4" --out "$rough/first.toml"
     search --preset "$1" --start "$rough/first.toml" --rounds 5 --range 2.5 --plants 256 --seed $(($4 + 1)) \
@@ -36,14 +39,16 @@ tune_tight() {
 
 # tune_near PRESET START FILE LIMITS: what is near START, with its observer.
 tune_near() {
-    search --preset "$1" --start "$2" --parameters pitch,yaw,allocation,filter.bandwidth,filter.damping,filter.advance \
+    search --preset "$1" --start "$2" \
+        --parameters pitch,yaw,allocation,filter.bandwidth,filter.damping,filter.advance \
         --rounds 3 --range 2 --plants 256 --seed 2 --at-most "$4" --out "$3"
 }
 
 for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
-    # Without lead and cancellation where they gain little, or where motors faster than believed would make them a limit cycle. With
-    # these limits, what laboratories fly today is worse not only in the sum but in its terms (docs/rig-law.md).
-    # They are a little below what is asked for, since other plants are flown than are tuned on.
+    # Without lead and cancellation where they gain little, or where motors faster than believed would make
+    # them a limit cycle. With these limits, what laboratories fly today is worse not only in the sum but in
+    # its terms (docs/rig-law.md). They are a little below what is asked for, since other plants are flown
+    # than are tuned on.
     controller=cancelling seed=1
     case $name in
         paper)

@@ -1,7 +1,8 @@
-"""The paper's step as a control engineer would write it in Python: Numba, SciPy, and mealpy's FPA around the Numba loop.
+"""The paper's step as a control engineer would write it in Python.
 
-Prints, as `name value` lines: the ISE of the paper's gains and the closed-loop steps of 1 ms a second on one core for each, and
-the seconds that mealpy takes for the paper's whole tune (1,550 evaluations of 5,001 ticks).
+Numba, SciPy, and mealpy's FPA around the Numba loop. Prints, as `name value` lines: the ISE of the paper's
+gains and the closed-loop steps of 1 ms a second on one core for each, and the seconds that mealpy takes for
+the paper's whole tune (1,550 evaluations of 5,001 ticks).
 """
 
 import math

@@ -1,4 +1,15 @@
 //! The gains of the backstepping law, and the only place that knows the paper's order k1..k4.
+//!
+//! With an exact model and no limit, each axis is s² + (μ_a + μ_b) s + (1 + μ_a μ_b) = 0: two poles near the
+//! two gains, since the law is computed torque with a PD.
+//!
+//! ```
+//! let twinrotor::gains::AxisGains { position, rate } = twinrotor::gains::PAPER.pitch;
+//! let (damping, stiffness) = (position + rate, 1.0 + position * rate);
+//! let apart = (damping * damping - 4.0 * stiffness).sqrt();
+//! let poles = [(apart - damping) / 2.0, (-apart - damping) / 2.0]; // [1/s]
+//! assert!((poles[0] + 4.249).abs() < 1e-3 && (poles[1] + 24.551).abs() < 1e-3, "{poles:?}");
+//! ```
 
 use crate::axes::PerAxis;
 

@@ -41,9 +41,37 @@
 //!   [`validate`] (what is wrong with a value).
 //! - The helicopter: [`plant`] integrates it, [`bench`] shows it as its cables do, [`trajectory`] has the
 //!   references that a simulation follows.
-//! - The controller's settings: [`gains`], [`controller`], and [`defaults`], what each preset starts from.
+//! - The controller's settings: [`settings`], the table of all that a person may choose, declared where it is
+//!   used; [`gains`], [`controller`], and [`defaults`], what each preset starts from.
 //! - The board's data: [`parameters`], the record it flies with, and [`link`], its messages, numbered by
 //!   [`sequence`]. [`conversation`] is what it answers to each.
+//!
+//! # A step
+//!
+//! The pipeline and a plant are enough to close the loop. What is measured are angles, as encoders give them;
+//! the volts of a tick are in effect from the next one on, as on a board.
+//!
+//! ```
+//! use twinrotor::axes::{PerAxis, PerMotor};
+//! use twinrotor::pipeline::{Pipeline, Settings};
+//! use twinrotor::plant::{RealPlant, State, presets};
+//! use twinrotor::reference::Reference;
+//! use twinrotor::{DEGREE, SAMPLE_TIME, defaults};
+//!
+//! let settings = Settings::new(&presets::AERO2, defaults::AERO2, SAMPLE_TIME).map(|number| number as f32);
+//! let (start, goal) = (PerAxis::zero(), PerAxis::new(5.0 * DEGREE as f32, 20.0 * DEGREE as f32));
+//! let mut controller = Pipeline::new(&settings, start);
+//! let mut plant = RealPlant::<f32>::new(&presets::AERO2.plant, State::at_rest(start), SAMPLE_TIME);
+//! let mut volts = PerMotor::zero();
+//! for _ in 0..4_000 {
+//!     let belief = controller.believe_once(plant.state().angle, volts);
+//!     let decision = controller.decide_once(belief, &Reference::at_rest(goal));
+//!     plant.advance(volts, PerMotor::zero());
+//!     volts = decision.allocation.volts;
+//! }
+//! let error = goal.minus(plant.state().angle);
+//! assert!(error.pitch.abs() < 0.02 * goal.pitch && error.yaw.abs() < 0.02 * goal.yaw, "{error:?}");
+//! ```
 //!
 //! "Eq. (26)" and "Table 3" mean those of "Backstepping control of Quanser's 2-DOF Helicopter under
 //! disturbance and actuator saturation based on Flower Pollination Algorithm".

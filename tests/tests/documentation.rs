@@ -1,65 +1,125 @@
-//! The documentation speaks of things that are there.
+//! The documentation speaks of things that are there, names every file, and keeps to its line length.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Every path that ARCHITECTURE.md and README.md name in back quotes exists.
-#[test]
-fn every_path_in_the_documentation_exists() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for document in ["ARCHITECTURE.md", "README.md"] {
-        let text = fs::read_to_string(root.join(document)).unwrap();
-        let quoted = text.split('`').skip(1).step_by(2);
-        let paths = quoted.filter(|q| {
-            let first = q.split('/').next().unwrap_or_default();
-            q.contains('/')
-                && !q.contains([' ', '*', '<', '\n'])
-                && [
-                    "core", "crates", "host-sim", "firmware", "tests", "scripts", "docs", ".cargo", ".ci",
-                    "gains",
-                ]
-                .contains(&first)
-        });
-        let mut checked = 0;
-        for path in paths {
-            assert!(root.join(path).exists(), "{document} names {path}, which does not exist");
-            checked += 1;
-        }
-        assert!(checked > 0, "{document} names {checked} paths");
-    }
+/// \[characters\] The longest line.
+const LINE: usize = 110;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
 }
 
-/// Every source file of the core is named: a module in the list of `core/src/lib.rs`, or by its path in
-/// ARCHITECTURE.md.
+/// Every file below `folder`, but what is built or hidden (`.ci`, `.cargo` and `.github` are ours).
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let skipped = |path: &PathBuf| {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        name == "target" || (name.starts_with('.') && ![".ci", ".cargo", ".github"].contains(&&*name))
+    };
+    let kept = entries.filter(|path| !skipped(path));
+    kept.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+}
+
+/// Those of these endings, each with its text and its path from the top.
+fn texts(endings: &[&str]) -> Vec<(String, String)> {
+    let root = root();
+    let wanted = files(&root).into_iter().filter(|path| {
+        let ending = path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
+        endings.contains(&&*ending)
+    });
+    let relative = |path: &PathBuf| path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+    wanted.map(|path| (relative(&path), fs::read_to_string(&path).unwrap())).collect()
+}
+
+/// What stands in back quotes outside of fenced blocks, and where links lead.
+fn named(text: &str) -> Vec<String> {
+    let mut fenced = false;
+    let prose = text.lines().filter(|line| {
+        let fence = line.trim_start().starts_with("```");
+        fenced ^= fence;
+        !fenced && !fence
+    });
+    let prose: String = prose.collect::<Vec<_>>().join("\n");
+    let quoted = prose.split('`').skip(1).step_by(2).map(str::to_owned);
+    let links = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+    let links = links.map(|(link, _)| link.split('#').next().unwrap_or_default().to_owned());
+    quoted.chain(links).collect()
+}
+
+/// Is it meant as a path of this repository: something that begins with what lies at its top or beside the
+/// document, or that ends as documents do? What is built (`target/`) is not.
+fn is_path(name: &str, root: &Path, beside: &Path) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./*".contains(c);
+    let first = name.split('/').next().unwrap_or_default();
+    let begins_here = name.contains('/')
+        && !first.is_empty()
+        && first != "target"
+        && (root.join(first).is_dir() || beside.join(first).is_dir());
+    name.chars().all(plain) && (begins_here || Path::new(name).extension().is_some_and(|e| e == "md"))
+}
+
+/// A `*` stands for any name: what is before it must be there.
+fn exists(name: &str, folder: &Path) -> bool {
+    let fixed: PathBuf = name.split('/').take_while(|part| !part.contains('*')).collect();
+    folder.join(fixed).exists()
+}
+
 #[test]
-fn every_file_of_the_core_is_named() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let source = root.join("core/src");
-    let list = fs::read_to_string(source.join("lib.rs")).unwrap();
+fn every_path_in_the_documentation_exists() {
+    let (root, mut checked) = (root(), 0);
+    for (document, text) in texts(&["md"]) {
+        let beside = root.join(&document).parent().unwrap().to_path_buf();
+        for name in named(&text).iter().filter(|name| is_path(name, &root, &beside)) {
+            assert!(exists(name, &root) || exists(name, &beside), "{document}: there is no {name}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 100, "{checked} paths");
+}
+
+/// Every source file of the core and of the firmware has its place in the map: a module in the list of
+/// `core/src/lib.rs`, or its path in ARCHITECTURE.md.
+#[test]
+fn every_file_of_core_and_firmware_is_named() {
+    let root = root();
+    let list = fs::read_to_string(root.join("core/src/lib.rs")).unwrap();
     let list: Vec<&str> = list.lines().filter(|line| line.starts_with("//!")).collect();
     let list = list.join("\n");
     let architecture = fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
-    let files = rust_files(&source);
-    assert!(files.len() > 40, "{files:?}");
-    for file in files {
-        let path = file.strip_prefix(&root).unwrap().to_str().unwrap();
-        let module = path.trim_start_matches("core/src/").trim_end_matches(".rs").trim_end_matches("/mod");
-        let tests = module.ends_with("tests") || module == "lib";
+    let mut checked = 0;
+    for (path, _) in texts(&["rs"]) {
+        let Some((krate, file)) = path.split_once("/src/") else { continue };
+        let module = file.trim_end_matches(".rs").trim_end_matches("/mod");
+        if !["core", "firmware"].contains(&krate) || module.ends_with("tests") || path == "core/src/lib.rs" {
+            continue;
+        }
         let links = [format!("[`{module}`]"), format!("[`mod@{module}`]")];
-        let listed = links.iter().any(|link| list.contains(link));
+        let listed = krate == "core" && links.iter().any(|link| list.contains(link));
         assert!(
-            tests || listed || architecture.contains(&format!("`{path}`")),
-            "{path} is named neither in core/src/lib.rs nor in ARCHITECTURE.md"
+            listed || architecture.contains(&format!("`{path}`")),
+            "{path} is named neither in ARCHITECTURE.md nor in the list of core/src/lib.rs"
         );
+        checked += 1;
     }
+    assert!(checked > 60, "{checked} files");
 }
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    entries
-        .flat_map(|path| match path.is_dir() {
-            true => rust_files(&path),
-            false => Vec::from_iter(path.extension().is_some_and(|e| e == "rs").then_some(path)),
-        })
-        .collect()
+/// May it be longer? A row of a table may, and what has nowhere to break: a link, a path, a number.
+fn may_be_long(line: &str) -> bool {
+    let text = line.trim_start().trim_start_matches(['/', '!', '#']).trim_start();
+    text.starts_with('|') || !text.trim_start_matches("- ").contains(' ')
+}
+
+/// Prose and code wrap; of TOML, whose values are data, the comments do.
+#[test]
+fn lines_wrap() {
+    let long = |line: &str| line.chars().count() > LINE && !may_be_long(line);
+    let mut wrong = Vec::new();
+    for (path, text) in texts(&["rs", "md", "sh", "py", "toml", "yml"]) {
+        let data = path.ends_with(".toml");
+        let lines = text.lines().enumerate().filter(|(_, line)| !data || line.trim_start().starts_with('#'));
+        wrong.extend(lines.filter(|(_, line)| long(line)).map(|(k, _)| format!("{path}:{}", k + 1)));
+    }
+    assert!(wrong.is_empty(), "longer than {LINE} characters:\n{}", wrong.join("\n"));
 }

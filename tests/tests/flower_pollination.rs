@@ -46,8 +46,8 @@ fn fpa_paper_reaches_the_optimum_of_ise() {
     evaluations.sort_unstable();
     costs.sort_by(f64::total_cmp);
     println!(
-        "ISE over 20 seeds: mean {mean:.8}, best {:.8}, worst {:.8}; within .1 % after a median of {} \
-         evaluations",
+        "ISE over 20 seeds: mean {mean:.8}, best {:.8}, worst {:.8};\n\
+         within .1 % after a median of {} evaluations",
         costs[0], costs[19], evaluations[10]
     );
     assert!(mean <= 0.08097, "mean {mean}");

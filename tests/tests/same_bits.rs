@@ -107,7 +107,8 @@ proptest! {
         let single = |s: &Settings<f32>| IdealLoop::new(&rig, s, State::default(), SAMPLE_TIME);
         let singles = settings.iter().map(single).collect();
         let rig = &rig;
-        in_lanes(Compared { rig, hardware: None, settings: &settings, scenario: &scenario, singles, flying: |_| true })?;
+        let (settings, scenario, flying) = (&settings[..], &scenario, |_: &_| true);
+        in_lanes(Compared { rig, hardware: None, settings, scenario, singles, flying })?;
     }
 
     /// In the rig's world, every lane is what the board's control loop does.
@@ -124,7 +125,8 @@ proptest! {
         };
         let singles = settings.iter().map(single).collect();
         let (rig, hardware) = (&rig, Some(&hardware));
-        in_lanes(Compared { rig, hardware, settings: &settings, scenario: &scenario, singles, flying: BoardLoop::is_armed })?;
+        let (settings, scenario, flying) = (&settings[..], &scenario, BoardLoop::is_armed);
+        in_lanes(Compared { rig, hardware, settings, scenario, singles, flying })?;
     }
 
     /// The pipeline over 10,000 ticks is the control loop.

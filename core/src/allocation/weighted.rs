@@ -98,7 +98,8 @@ mod tests {
             main in -200.0..200.0, tail in -200.0..200.0, weight in 0.1..10.0,
             low in prop::array::uniform2(-24.0..0.0), high in prop::array::uniform2(0.0..24.0),
         ) {
-            let range = VoltsRange { low: PerMotor::new(low[0], low[1]), high: PerMotor::new(high[0], high[1]) };
+            let [low, high] = [low, high].map(|[main, tail]| PerMotor::new(main, tail));
+            let range = VoltsRange { low, high };
             let u = PerMotor::new(main, tail);
             for (_, rig) in presets::ALL {
                 let k = rig.plant.effectiveness_at(rig.nominal_volts);

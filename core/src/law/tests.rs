@@ -33,7 +33,8 @@ proptest! {
     #[test]
     fn the_integral_laws_lyapunov_function_falls_as_designed(
         [position, rate_gain, weight, lambda] in prop::array::uniform4(0.1..30.0_f64),
-        angle in pair(-1.0..1.0), rate in pair(-3.0..3.0), want in pair(-1.0..1.0), history in pair(-0.2..0.2),
+        angle in pair(-1.0..1.0), rate in pair(-3.0..3.0),
+        want in pair(-1.0..1.0), history in pair(-0.2..0.2),
     ) {
         for (_, rig) in presets::ALL {
             let body = RigidBody::new(&rig.plant);

@@ -21,8 +21,8 @@ use embedded_storage::nor_flash::NorFlash;
 use serde::{Deserialize, Serialize};
 use store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 
-/// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers would
-/// mean something else; the board then keeps its motors off until a record of this version is stored.
+/// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers
+/// would mean something else; the board then keeps its motors off until a record of this version is stored.
 pub const VERSION: u16 = 5;
 
 /// What a board runs with.

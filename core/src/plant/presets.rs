@@ -259,6 +259,9 @@ pub const ALL: [(&str, Rig); 6] = [
 
 impl Rig {
     /// Every number finite and usable; the thrust gains can be inverted.
+    ///
+    /// # Errors
+    /// Names the first field that is not.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.plant.validate()?;
         not_negative("nominal_volts", self.nominal_volts)?;

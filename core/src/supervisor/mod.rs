@@ -276,12 +276,17 @@ use Next::{Latch, Stay, To};
 /// Every transition there is: a row for each state, a column for each event.
 #[rustfmt::skip]
 pub const TRANSITIONS: [[Next; 7]; 5] = [
-    //              Hazard        Disarm        ClearFault    Check         Blocked       Arm        Free
-    /* Disarmed */ [Stay,         Stay,         Stay,         To(Checking), Stay,         Stay,      To(Ready)],
-    /* Ready    */ [To(Disarmed), To(Disarmed), To(Disarmed), To(Checking), To(Disarmed), To(Armed), Stay],
-    /* Checking */ [Latch,        To(Disarmed), Stay,         Stay,         Stay,         Stay,      Stay],
-    /* Armed    */ [Latch,        To(Disarmed), Stay,         Stay,         Stay,         Stay,      Stay],
-    /* Fault    */ [Stay,         Stay,         To(Disarmed), Stay,         Stay,         Stay,      Stay],
+    // Hazard     Disarm        ClearFault    Check         Blocked       Arm        Free
+    /* Disarmed */
+    [Stay,        Stay,         Stay,         To(Checking), Stay,         Stay,      To(Ready)],
+    /* Ready */
+    [To(Disarmed),To(Disarmed), To(Disarmed), To(Checking), To(Disarmed), To(Armed), Stay],
+    /* Checking */
+    [Latch,       To(Disarmed), Stay,         Stay,         Stay,         Stay,      Stay],
+    /* Armed */
+    [Latch,       To(Disarmed), Stay,         Stay,         Stay,         Stay,      Stay],
+    /* Fault */
+    [Stay,        Stay,         To(Disarmed), Stay,         Stay,         Stay,      Stay],
 ];
 
 /// The state and its table.

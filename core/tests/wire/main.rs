@@ -2,8 +2,8 @@
 //! variant that changes its place changes what they mean, and fails here.
 //!
 //! The literals are the lines of `frames.txt`. `frames.py` writes it from a description of its own, with
-//! Python's `zlib.crc32`: nothing of what is tested here has a part in them. Bytes that change on purpose come
-//! with another [`twinrotor::link::VERSION`] or [`twinrotor::parameters::VERSION`].
+//! Python's `zlib.crc32`: nothing of what is tested here has a part in them. Bytes that change on purpose
+//! come with another [`twinrotor::link::VERSION`] or [`twinrotor::parameters::VERSION`].
 
 mod messages;
 mod record;

@@ -159,6 +159,7 @@ impl Figure {
     /// # Errors
     ///
     /// If it cannot be drawn.
+    #[cfg(feature = "png")]
     pub fn to_png(&self) -> Outcome<Vec<u8>> {
         let failed = |e: std::io::Error| Error::Failed(format!("the figure cannot be drawn: {e}"));
         let file = tempfile::Builder::new().suffix(".png").tempfile().map_err(failed)?;

@@ -178,8 +178,8 @@ impl GainsFile {
 /// Beside what is wrong with a file, that another version of this program wrote it, if one did: such a file
 /// is made anew.
 fn blame_version(error: Error, text: &str) -> Error {
-    let table: ::toml::Table = ::toml::from_str(text).unwrap_or_default();
-    let written = table.get("provenance").and_then(|p| p.get("version")).and_then(::toml::Value::as_str);
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let written = table.get("provenance").and_then(|p| p.get("version")).and_then(toml::Value::as_str);
     match written {
         Some(written) if written != VERSION => Error::Unusable(format!(
             "{error}; version {written} wrote this file and version {VERSION} reads it: tune it anew"
@@ -284,6 +284,7 @@ mod tests {
                     continue;
                 }
                 let text = std::fs::read_to_string(&path).unwrap();
+                let text: String = text.split_inclusive('\n').filter(|line| !line.starts_with('#')).collect();
                 let file = GainsFile::parse("x", &text).unwrap();
                 assert_eq!(file.to_toml(), text, "{}", path.display());
                 let controller = file.controller;

@@ -115,13 +115,11 @@ impl Kernel for Flights<'_> {
     type Output = (Vec<f64>, usize);
     #[inline(always)]
     fn run<R: Real<Scalar = f32>>(self) -> (Vec<f64>, usize) {
-        let settings = gather::<R>(self.settings);
+        let settings = paper_settings(gather::<R>(self.settings));
         let rig = &self.objective.rig;
         let start = State::at_rest(PerAxis::zero());
         match self.objective.fidelity {
-            Fidelity::Ideal => {
-                self.integrate(IdealLoop::new(rig, &paper_settings(settings), start, SAMPLE_TIME))
-            }
+            Fidelity::Ideal => self.integrate(IdealLoop::new(rig, &settings, start, SAMPLE_TIME)),
             Fidelity::Rig => {
                 let plant = RealPlant::new(&rig.plant, start, SAMPLE_TIME);
                 self.integrate(RigLoop::new(plant, &Hardware::of(rig, PerAxis::both(0.5)), &settings))

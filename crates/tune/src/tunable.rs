@@ -41,7 +41,7 @@ impl Tunable {
         }
         let given = controller.estimator == ControllerSettings::paper(gains::PAPER).estimator;
         let wanted = |name: &str| match chosen {
-            [] => !belongs(name, "filter.reach") && !(given && belongs(name, "estimator")),
+            [] => !(belongs(name, "filter.reach") || given && belongs(name, "estimator")),
             _ => chosen.iter().any(|c| belongs(name, c)),
         };
         let (fields, start) = all.into_iter().filter(|(field, x)| *x != 0.0 && wanted(field.name)).unzip();

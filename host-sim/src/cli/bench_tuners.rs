@@ -1,12 +1,11 @@
 //! `bench-tuners`: methods of search side by side on one problem.
 
-use super::common::{Common, catch_interrupts, interrupted};
+use super::common::{Common, bar, catch_interrupts, interrupted, no_effect, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files::export::{self, Column, Table};
 use crate::files::figure;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::gains;
@@ -41,15 +40,15 @@ pub(super) struct Args {
     /// Evaluations of each search [default: 1550 for ISE, 600 for robust]
     #[arg(long, value_name = "N")]
     evaluations: Option<usize>,
-    /// Robust: whose parameters, around its design
-    #[arg(long, default_value = "integral", value_name = "NAME")]
-    controller: String,
-    /// Robust: on how many plants
-    #[arg(long, value_name = "N", default_value_t = 32)]
-    plants: usize,
-    /// Robust: factor within which each parameter is searched
-    #[arg(long, value_name = "FACTOR", default_value_t = 4.0, allow_negative_numbers = true)]
-    range: f64,
+    /// Robust: whose parameters, around its design [default: integral]
+    #[arg(long, value_name = "NAME")]
+    controller: Option<String>,
+    /// Robust: on how many plants [default: 32]
+    #[arg(long, value_name = "N")]
+    plants: Option<usize>,
+    /// Robust: factor within which each parameter is searched [default: 4]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    range: Option<f64>,
     /// Write every run as a row: method, seed, cost, coordinates (.parquet, .npz or .csv)
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
@@ -88,6 +87,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     let (peers, what) = match args.objective {
         Goal::Ise => {
+            refuse_for_ise(args)?;
             let step = Scenario::named("step")?;
             let problem =
                 Objective::new(Criterion::Ise, &named.rig, &step, Fidelity::Ideal, args.common.seed);
@@ -126,10 +126,22 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     ))
 }
 
-fn setups(args: &Args) -> Outcome<Vec<(String, Setup)>> {
-    if !(2..=10_000).contains(&args.seeds) {
-        return Err(Failure::Input(format!("--seeds is {}; allowed: 2 to 10000", args.seeds)));
+/// Refuses what ISE in the paper's world would not heed.
+fn refuse_for_ise(args: &Args) -> Outcome<()> {
+    let given = [
+        ("--controller", args.controller.is_some(), "ISE is of the paper's law"),
+        ("--plants", args.plants.is_some(), "ISE is of one plant"),
+        ("--range", args.range.is_some(), "gains are searched in 1..25"),
+        ("--rotor-lag", args.common.rotor_lag.is_some(), "rotors of the paper's world have none"),
+    ];
+    match given.into_iter().find(|(_, given, _)| *given) {
+        Some((flag, _, why)) => Err(no_effect(flag, "with --objective ise", why)),
+        None => Ok(()),
     }
+}
+
+fn setups(args: &Args) -> Outcome<Vec<(String, Setup)>> {
+    within("--seeds", args.seeds, 2, 10_000)?;
     let usual = if args.objective == Goal::Ise { 1550 } else { 600 };
     let evaluations = args.evaluations.unwrap_or(usual);
     let all = || ALGORITHMS.iter().map(|(name, _)| (*name).to_owned()).collect();
@@ -144,22 +156,21 @@ fn setups(args: &Args) -> Outcome<Vec<(String, Setup)>> {
 }
 
 fn robust_problem(args: &Args, named: &NamedRig, setups: &[(String, Setup)]) -> Outcome<(Vec<Peer>, String)> {
-    at_least("--range", args.range, 1.0, true)?;
-    if args.plants == 0 || args.plants > 100_000 {
-        return Err(Failure::Input(format!("--plants is {}; allowed: 1 to 100000", args.plants)));
-    }
-    let design = known_name("controller", &args.controller, &CATALOGUE)?;
+    let range = at_least("--range", args.range.unwrap_or(4.0), 1.0, true)?;
+    let plants = within("--plants", args.plants.unwrap_or(32), 1, 100_000)?;
+    let controller = args.controller.as_deref().unwrap_or("integral");
+    let design = known_name("controller", controller, &CATALOGUE)?;
     let tunable = Tunable::new(&design(&named.rig), &[])?;
     let allowance = robust::allowance(&named.name, &named.rig);
-    let trial = Trial::new(&named.rig, args.plants, args.common.seed, allowance);
-    let reach = args.range.ln();
+    let trial = Trial::new(&named.rig, plants, args.common.seed, allowance);
+    let reach = range.ln();
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     let what = format!(
         "robust objective of '{}' on {} plants, {} parameters within a factor of {}",
-        args.controller,
-        args.plants,
+        controller,
+        plants,
         tunable.names().len(),
-        args.range
+        range
     );
     Ok((search(args, setups, &bounds, &Robust::new(&trial, &tunable))?, what))
 }
@@ -172,9 +183,7 @@ fn search(
 ) -> Outcome<Vec<Peer>> {
     catch_interrupts();
     let total: usize = setups.iter().map(|(_, s)| s.evaluations * args.seeds).sum();
-    let bar = ProgressBar::new(total as u64);
-    let style = ProgressStyle::with_template("{prefix:12} {bar:32} {pos}/{len} evaluations, {eta} left");
-    bar.set_style(style.expect("the template is well-formed"));
+    let bar = bar(total, "{prefix:12} {bar:32} {pos}/{len} evaluations, {eta} left");
     let seeds = || args.common.seed..args.common.seed.saturating_add(args.seeds as u64);
     let seen = |evaluations: usize| {
         bar.inc(evaluations as u64);

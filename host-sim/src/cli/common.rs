@@ -4,6 +4,7 @@ use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::checkpoint;
 use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use twinrotor::axes::PerMotor;
@@ -78,6 +79,25 @@ impl Checkpoint {
         }
         Ok(new(identity))
     }
+}
+
+/// What says that a flag would not be heeded, and why.
+pub(super) fn no_effect(flag: &str, when: &str, why: &str) -> Failure {
+    Failure::Input(format!("{flag} has no effect {when}: {why}; leave it out"))
+}
+
+/// Requires a number of at least `least` and at most `most`.
+pub(super) fn within(flag: &str, value: usize, least: usize, most: usize) -> Outcome<usize> {
+    if (least..=most).contains(&value) {
+        return Ok(value);
+    }
+    Err(Failure::Input(format!("{flag} is {value}; allowed: {least} to {most}")))
+}
+
+/// A bar on a terminal for `total` pieces of work, drawn as `template` says.
+pub(super) fn bar(total: usize, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template).expect("the template is well-formed");
+    ProgressBar::new(total as u64).with_style(style)
 }
 
 /// How a search ended, but for one that failed.

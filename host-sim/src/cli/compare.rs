@@ -1,6 +1,6 @@
 //! `compare`: controllers side by side on the same plants, none of which they were tuned on.
 
-use super::common::{Common, pair};
+use super::common::{Common, pair, within};
 use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -75,9 +75,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if args.fidelity != choices::Fidelity::Rig {
         return Err(Failure::Input("--fidelity is ideal; allowed: rig".to_owned()));
     }
-    if args.plants < 2 || args.plants > 100_000 {
-        return Err(Failure::Input(format!("--plants is {}; allowed: 2 to 100000", args.plants)));
-    }
+    within("--plants", args.plants, 2, 100_000)?;
     let trial = trial(args, &named)?;
     if let Some(path) = &args.export {
         export::check("--export", path, false)?;
@@ -221,9 +219,7 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
 /// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies
 /// by default has had more.
 fn tune_all(args: &Args, named: &NamedRig, rounds: usize) -> Outcome<()> {
-    if rounds == 0 || rounds > 1000 {
-        return Err(Failure::Input(format!("--tune is {rounds}; allowed: 1 to 1000")));
-    }
+    within("--tune", rounds, 1, 1_000)?;
     let tuning = Tuning::standard(named, rounds, args.common.seed);
     let wanted = |name: &str| args.controllers.is_empty() || args.controllers.iter().any(|c| c == name);
     for (name, design) in CATALOGUE.iter().filter(|(name, _)| *name != "paper" && wanted(name)) {

@@ -31,8 +31,8 @@ pub(super) struct Args {
     /// Send the parameters over this serial port
     #[arg(long, value_name = "DEVICE")]
     port: Option<String>,
-    /// The board's chip, as probe-rs calls it
-    #[arg(long, default_value = "STM32F405RGTx")]
+    /// The board's chip, as probe-rs calls it, for a debug probe
+    #[arg(long, default_value = "STM32F405RGTx", conflicts_with_all = ["image", "port"])]
     chip: String,
     /// Print one JSON document and nothing else
     #[arg(long)]

@@ -1,6 +1,6 @@
 //! `identify`: a rig's constants from its logs.
 
-use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted};
+use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures::residuals::residuals;
@@ -71,7 +71,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "SCENARIO.toml")]
     suggest: Option<PathBuf>,
     /// Gains that the suggested experiment is flown with [default: the preset's, else the paper's]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "suggest")]
     gains: Option<String>,
 }
 
@@ -189,9 +189,7 @@ fn check_paths(args: &Args) -> Outcome<PathBuf> {
     if let Some(path) = &args.suggest {
         output::check("--suggest", path)?;
     }
-    if !(2..=10_000).contains(&args.population) {
-        return Err(Failure::Input(format!("--population is {}; allowed: 2 to 10000", args.population)));
-    }
+    within("--population", args.population, 2, 10_000)?;
     Ok(plot)
 }
 

@@ -16,8 +16,6 @@ mod reproduce;
 mod simulate;
 mod tables;
 mod tune;
-mod tune_report;
-mod tune_robust;
 
 use crate::error::{Failure, Outcome};
 use clap::error::ErrorKind;

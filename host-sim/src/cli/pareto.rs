@@ -1,6 +1,6 @@
 //! `pareto`: no single best, but the choice there is.
 
-use super::common::{Common, catch_interrupts, interrupted};
+use super::common::{Common, bar, catch_interrupts, interrupted, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
@@ -9,7 +9,6 @@ use crate::files::export::{Column, Table};
 use crate::files::figure;
 use crate::files::output;
 use crate::report;
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -30,7 +29,7 @@ pub(super) struct Args {
     #[arg(long, default_value = "integral", value_name = "NAME")]
     controller: String,
     /// Start from these gains instead
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "controller")]
     start: Option<String>,
     /// On how many plants
     #[arg(long, value_name = "N", default_value_t = 16)]
@@ -88,9 +87,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     report::prepare(&args.out)?;
 
     catch_interrupts();
-    let bar = ProgressBar::new((args.population * (args.iterations + 1)) as u64);
-    let style = ProgressStyle::with_template("{bar:32} {pos}/{len} evaluations, {eta} left");
-    bar.set_style(style.expect("the template is well-formed"));
+    let bar = bar(args.population * (args.iterations + 1), "{bar:32} {pos}/{len} evaluations, {eta} left");
     let front = pareto_front(
         &bounds,
         Draws::new(args.common.seed),
@@ -122,13 +119,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 
 fn check(args: &Args) -> Outcome<()> {
     at_least("--range", args.range, 1.0, true)?;
-    let within = |flag: &str, value: usize, most: usize| {
-        let told = || Failure::Input(format!("{flag} is {value}; allowed: 4 to {most}"));
-        (4..=most).contains(&value).then_some(()).ok_or_else(told)
-    };
-    within("--plants", args.plants, 100_000)?;
-    within("--population", args.population, 10_000)?;
-    within("--iterations", args.iterations, 100_000)
+    within("--plants", args.plants, 4, 100_000)?;
+    within("--population", args.population, 4, 10_000)?;
+    within("--iterations", args.iterations, 4, 100_000)?;
+    Ok(())
 }
 
 fn write(

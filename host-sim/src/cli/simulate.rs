@@ -1,7 +1,7 @@
 //! `simulate`: fly one scenario.
 
 use super::choices;
-use super::common::{Common, pair};
+use super::common::{Common, no_effect, pair};
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -88,6 +88,13 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
+    if args.fidelity == choices::Fidelity::Ideal && args.common.rotor_lag.is_some() {
+        return Err(no_effect(
+            "--rotor-lag",
+            "with --fidelity ideal",
+            "rotors of the paper's world have none",
+        ));
+    }
     let scenario = scenario(args)?;
     let gains = files::gains("--gains", &args.gains)?;
     gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
@@ -155,6 +162,17 @@ fn scenario(args: &Args) -> Outcome<Scenario> {
         disturbance.window = pair("--window", window)?;
     }
     scenario.disturbance = (disturbance.volts > 0.0).then_some(disturbance);
+    if scenario.disturbance.is_none() {
+        for (flag, given) in [("--hold", args.hold.is_some()), ("--window", args.window.is_some())] {
+            if given {
+                return Err(no_effect(
+                    flag,
+                    "without a disturbance",
+                    "add --disturbance VOLTS or fly scenario 3",
+                ));
+            }
+        }
+    }
     scenario.validate()?;
     Ok(scenario)
 }

@@ -12,7 +12,11 @@ use twinrotor_plot::{Figure, Layout};
 /// If it could not be.
 pub fn check(flag: &str, path: &Path) -> Outcome<()> {
     match path.extension().and_then(|e| e.to_str()) {
-        Some("svg" | "png") => output::check(flag, path),
+        Some("svg") => output::check(flag, path),
+        #[cfg(feature = "formats")]
+        Some("png") => output::check(flag, path),
+        #[cfg(not(feature = "formats"))]
+        Some("png") => Err(super::not_built(flag, path)),
         _ => Err(Failure::Input(format!(
             "{flag} is '{}'; allowed: a name that ends in .svg or .png",
             path.display()
@@ -26,10 +30,9 @@ pub fn check(flag: &str, path: &Path) -> Outcome<()> {
 ///
 /// If it cannot be drawn or written.
 pub fn write(figure: &Figure, path: &Path) -> Outcome<()> {
-    let bytes = if path.extension().is_some_and(|e| e == "png") {
-        figure.to_png()?
-    } else {
-        figure.to_svg(Layout::Wide)?.into_bytes()
-    };
-    output::write(path, &bytes)
+    #[cfg(feature = "formats")]
+    if path.extension().is_some_and(|e| e == "png") {
+        return output::write(path, &figure.to_png()?);
+    }
+    output::write(path, figure.to_svg(Layout::Wide)?.as_bytes())
 }

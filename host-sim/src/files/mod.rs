@@ -14,6 +14,16 @@ use twinrotor_sim::rig::{self, NamedRig};
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_sim::{Error, Outcome as Text};
 
+/// What says that this program was built without the format of a file, and how to build it with.
+#[cfg(not(feature = "formats"))]
+fn not_built(flag: &str, path: &Path) -> Failure {
+    Failure::Input(format!(
+        "{flag} is '{}', a format that this program was built without; type: \
+         cargo run -p host-sim --features formats -- and the same command",
+        path.display()
+    ))
+}
+
 /// The text of a file that the user named.
 ///
 /// # Errors

@@ -22,17 +22,22 @@ pub fn write(path: &Path, bytes: &[u8]) -> Outcome<()> {
     let mut file = tempfile::NamedTempFile::new_in(folder(path)).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
-    let permissions = permissions(path);
-    fs::set_permissions(file.path(), permissions).map_err(failed)?;
+    if let Some(permissions) = permissions(path) {
+        fs::set_permissions(file.path(), permissions).map_err(failed)?;
+    }
     file.persist(path).map_err(|e| failed(e.error))?;
     Ok(())
 }
 
 /// A new file gets what any program would give it (a temporary file is the owner's alone); an old one keeps
 /// its own.
-fn permissions(path: &Path) -> fs::Permissions {
-    use std::os::unix::fs::PermissionsExt;
-    fs::metadata(path).map_or_else(|_| fs::Permissions::from_mode(0o644), |m| m.permissions())
+fn permissions(path: &Path) -> Option<fs::Permissions> {
+    #[cfg(unix)]
+    let new = Some(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    // Elsewhere a folder says who may read what is made in it.
+    #[cfg(not(unix))]
+    let new = None;
+    fs::metadata(path).map_or(new, |m| Some(m.permissions()))
 }
 
 fn folder(path: &Path) -> PathBuf {

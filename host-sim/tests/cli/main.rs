@@ -70,7 +70,12 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["compare", "--step", "15,0"], "--step is 15,0"),
         (&["compare", "--allowance", "1e9"], "--allowance is 1000000000"),
         (&["compare", "--export", "flights.mcap"], ".parquet, .npz or .csv"),
-        (&["tune", "--objective", "robust", "--fidelity", "rig", "--at-most", "overshoot=2"], "--at-most"),
+        (&["tune", "--objective", "robust", "--at-most", "overshoot=2"], "unknown --at-most 'overshoot'"),
+        (
+            &["tune", "--objective", "robust", "--at-most", "failures=-1"],
+            "--at-most failures is -1; allowed:",
+        ),
+        (&["tune", "--objective", "robust", "--parameters", "roll"], "--parameters is 'roll'; allowed:"),
         (&["pareto", "--population", "2"], "--population is 2; allowed: 4 to"),
         (&["reproduce", "--out", "nan.toml"], "which is a file; a folder is needed"),
         (&["identify"], "<LOG.csv>"),
@@ -78,21 +83,81 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["identify", "empty.csv"], "empty.csv: is empty"),
         (&["identify", "missing.toml"], "has no column 't'"),
         (&["identify", "empty.csv", "--columns", "roll=x"], "names no column of ours"),
-        (&["identify", "empty.csv", "--fix", "thrust"], "--fix names 'thrust'"),
+        (&["identify", "empty.csv", "--fix", "thrust"], "--fix is 'thrust'; allowed: mass"),
         (&["identify", "empty.csv", "--window", "0"], "--window is 0"),
         (&["identify", "empty.csv", "--out", "no/such/rig.toml"], "no folder 'no/such'"),
         (&["replay", "empty.csv"], "empty.csv: is empty"),
         (&["fly"], "unrecognized subcommand 'fly'"),
     ];
-    let before = fs::read_dir(folder.path()).unwrap().count();
+    assert_refused(folder.path(), cases);
+}
+
+/// What would not be heeded is refused, and the reason is said.
+#[test]
+fn a_flag_without_effect_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let robust = |flag: &'static str, value: &'static str| ["tune", "--objective", "robust", flag, value];
+    let ise = |flag: &'static str, value: &'static str| ["tune", flag, value];
+    let mut cases: Vec<(Vec<&str>, &str)> = Vec::new();
+    for (flag, value) in [
+        ("--scenario", "3"),
+        ("--horizon", "1"),
+        ("--bounds", "1,2"),
+        ("--plot", "f.svg"),
+        ("--fidelity", "ideal"),
+    ] {
+        cases.push((robust(flag, value).to_vec(), "has no effect with --objective robust"));
+    }
+    for (flag, value) in [
+        ("--controller", "lqr"),
+        ("--start", "nowhere.toml"),
+        ("--parameters", "yaw"),
+        ("--at-most", "overshoot_p95.yaw=0"),
+        ("--plants", "7"),
+        ("--rounds", "2"),
+        ("--range", "3"),
+    ] {
+        cases.push((ise(flag, value).to_vec(), "has no effect without --objective robust"));
+    }
+    let others: [(&[&str], &str); 8] = [
+        (&["simulate", "--hold", "5"], "--hold has no effect without a disturbance"),
+        (&["simulate", "--window", "5,2"], "--window has no effect without a disturbance"),
+        (&["simulate", "--rotor-lag", ".1"], "--rotor-lag has no effect with --fidelity ideal"),
+        (&["bench-tuners", "--plants", "3"], "--plants has no effect with --objective ise"),
+        (&["bench-tuners", "--controller", "pid"], "--controller has no effect with --objective ise"),
+        (&["pareto", "--start", "g.toml", "--controller", "pid"], "cannot be used with"),
+        (&["identify", "log.csv", "--gains", "g.toml"], "--suggest"),
+        (&["flash", "paper", "--image", "p.bin", "--chip", "x"], "cannot be used with"),
+    ];
+    cases.extend(others.map(|(args, expected)| (args.to_vec(), expected)));
+    let cases: Vec<(&[&str], &str)> = cases.iter().map(|(args, expected)| (&args[..], *expected)).collect();
+    assert_refused(folder.path(), &cases);
+}
+
+/// A program without the formats says which line brings them.
+#[cfg(not(feature = "formats"))]
+#[test]
+fn a_format_that_was_left_out_is_named_with_the_line_to_type() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_refused(
+        folder.path(),
+        &[
+            (&["simulate", "--export", "run.parquet"], "cargo run -p host-sim --features formats"),
+            (&["simulate", "--plot", "run.png"], "cargo run -p host-sim --features formats"),
+        ],
+    );
+}
+
+fn assert_refused(folder: &Path, cases: &[(&[&str], &str)]) {
+    let before = fs::read_dir(folder).unwrap().count();
     for (args, expected) in cases {
-        let output = host_sim(folder.path(), args);
+        let output = host_sim(folder, args);
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{args:?}: {told}");
         assert!(told.contains(expected), "{args:?}: {told}");
         assert_eq!(told.trim_end().lines().count(), 1, "{args:?}: {told}");
         assert!(output.stdout.is_empty());
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{args:?} wrote something");
+        assert_eq!(fs::read_dir(folder).unwrap().count(), before, "{args:?} wrote something");
     }
 }
 
@@ -157,7 +222,7 @@ fn simulate_writes_a_row_a_tick_and_a_picture() {
         "--csv",
         "run.csv",
         "--plot",
-        "run.png",
+        if cfg!(feature = "formats") { "run.png" } else { "run.svg" },
         "--scenario",
         "3",
         "--json",
@@ -175,7 +240,11 @@ fn simulate_writes_a_row_a_tick_and_a_picture() {
     let peak = rows.iter().map(|r| r[7].abs()).fold(0.0, f64::max);
     assert_eq!(Some(peak), told["main"]["peak_volts"].as_f64());
     assert!(rows.iter().all(|r| r.len() == 11 && r[9].abs() <= 2.0));
-    assert_eq!(&fs::read(folder.path().join("run.png")).unwrap()[1..4], b"PNG");
+    if cfg!(feature = "formats") {
+        assert_eq!(&fs::read(folder.path().join("run.png")).unwrap()[1..4], b"PNG");
+    } else {
+        assert!(fs::read_to_string(folder.path().join("run.svg")).unwrap().starts_with("<svg"));
+    }
 }
 
 #[test]

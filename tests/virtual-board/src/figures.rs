@@ -92,8 +92,8 @@ pub struct Figures {
 /// The table: a line for each compiler, named as in the ELF.
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/figures.csv");
 /// The table's columns.
-const COLUMNS: &str = "compiler,loadable_bytes,static_ram_bytes,tick_instructions_median,tick_instructions_max,\
-                       rig_tick_instructions_median,rig_tick_instructions_max";
+const COLUMNS: &str = "compiler,loadable_bytes,static_ram_bytes,tick_instructions_median,\
+                       tick_instructions_max,rig_tick_instructions_median,rig_tick_instructions_max";
 
 impl Figures {
     /// Of a firmware that flew so.

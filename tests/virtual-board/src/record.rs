@@ -1,12 +1,12 @@
 //! What a board flies with: parameter records, and the image of the flash that holds them.
 
 use twinrotor::SAMPLE_TIME;
+use twinrotor::SAMPLE_TIME;
 use twinrotor::defaults;
 use twinrotor::gains::PAPER;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{AREA_ADDRESS, MAX_PAYLOAD, SLOT_SIZE, Store};
-
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::{self, Rig};
 

@@ -57,7 +57,8 @@ impl Log {
     ///
     /// # Errors
     ///
-    /// If it is not one of a log, or of one that nothing can be learnt from: the line and what is wrong there.
+    /// If it is not one of a log, or of one that nothing can be learnt from: the line and what is wrong
+    /// there.
     pub fn read(name: &str, source: impl Read, columns: &Columns) -> Outcome<Self> {
         let refuse = |why: String| Error::Unusable(why).within(name);
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);

@@ -50,7 +50,8 @@ pub(super) fn scores(trial: &Trial, settings: &Settings<f32>, plants: &[Draw]) -
     in_lanes(Flights::new(trial, settings, plants))
 }
 
-/// One controller on up to [`LANES`](twinrotor_sim::lanes::LANES) plants; the last one fills what lanes are left.
+/// One controller on up to [`LANES`](twinrotor_sim::lanes::LANES) plants; the last one fills what lanes are
+/// left.
 #[derive(Debug, Clone, Copy)]
 struct Flights<'a> {
     rig: &'a Rig,

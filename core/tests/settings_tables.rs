@@ -1,4 +1,4 @@
-//! docs/settings.md is the core's table of settings. `TWINROTOR_RENEW=1 cargo test -p tests --test settings_tables`
+//! docs/settings.md is the core's table of settings. `TWINROTOR_RENEW=1 cargo test -p core --test settings_tables`
 //! writes it anew.
 
 use std::fmt::Write;
@@ -12,7 +12,7 @@ Every number of a controller that a person may choose, as the core declares it (
 `allocation`), the file has the kind between: `estimator.bandwidth.yaw` is `yaw` in
 `[estimator.luenberger.bandwidth]`. \"Typical\" is what a slider offers, the default a start and no tuned value.
 The presets' own are in `gains/`. Where both axes have the same row, `*` stands for `pitch` and `yaw`.\n
-This file is written by `TWINROTOR_RENEW=1 cargo test -p tests --test settings_tables`.\n";
+This file is written by `TWINROTOR_RENEW=1 cargo test -p core --test settings_tables`.\n";
 
 /// The fields of both axes are one row.
 fn table(text: &mut String, fields: &[Field]) {

@@ -1,7 +1,8 @@
 //! What `tune` reports.
 
-use super::tune::{Args, Request, fly_in};
-use super::{choices, tables};
+use super::integral::Task;
+use super::request::Request;
+use crate::cli::tables;
 use crate::error::Outcome;
 use serde::Serialize;
 use std::fmt::Write;
@@ -10,7 +11,6 @@ use twinrotor::gains::{self, NAMES};
 use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
-use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 use twinrotor_tune::integral::Objective;
 use twinrotor_tune::search::{Effort, Search};
@@ -41,21 +41,15 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub(super) fn new(
-        args: &'a Args,
-        named: &'a NamedRig,
-        search: &'a Search,
-        horizon_s: f64,
-        wall_s: f64,
-    ) -> Self {
+    pub(super) fn new(request: &'a Request<'a>, search: &'a Search, horizon_s: f64) -> Self {
         let Effort { simulated, skipped, diverged } = search.effort();
         Self {
-            algorithm: &args.algorithm,
-            preset: &named.name,
-            seed: args.common.seed,
+            algorithm: request.algorithm,
+            preset: &request.named.name,
+            seed: request.seed,
             evaluations: search.evaluations(),
             cost: search.best().map_or(f64::INFINITY, |b| b.cost),
-            wall_s,
+            wall_s: request.begun.elapsed().as_secs_f64(),
             horizon_s,
             tick_s: SAMPLE_TIME,
             steps_simulated: simulated,
@@ -76,33 +70,26 @@ pub(super) struct Document<'a> {
     gains: &'a GainsFile,
 }
 
-pub(super) fn document<'a>(
-    args: &'a Args,
-    request: &'a Request,
-    search: &'a Search,
-    found: &'a GainsFile,
-    wall_s: f64,
-) -> Document<'a> {
+pub(super) fn document<'a>(task: &'a Task<'a>, search: &'a Search, found: &'a GainsFile) -> Document<'a> {
     Document {
-        run: Run::new(args, &request.named, search, request.scenario.duration, wall_s),
-        objective: request.criterion,
-        scenario: &request.scenario.name,
-        fidelity: args.fidelity.into(),
+        run: Run::new(task.request, search, task.scenario.duration),
+        objective: task.criterion,
+        scenario: &task.scenario.name,
+        fidelity: task.fidelity,
         gains: found,
     }
 }
 
 pub(super) fn summary(
-    args: &Args,
-    request: &Request,
+    task: &Task<'_>,
     search: &Search,
     objective: &Objective,
     found: &GainsFile,
     flown: &[Flight; 2],
-    wall: f64,
 ) -> String {
+    let request = task.request;
     let mut text = String::new();
-    let objective_name = name_of(request.criterion).to_uppercase();
+    let objective_name = name_of(task.criterion).to_uppercase();
     let paper = objective.cost(&GainsFile::paper());
     let best = search.best().map_or(f64::INFINITY, |b| b.cost);
     let Effort { simulated, skipped, diverged } = search.effort();
@@ -110,13 +97,13 @@ pub(super) fn summary(
         text,
         "{} on preset {}, scenario {}: {} evaluations, {:.2} million steps and {:.2} million skipped, in \
          {:.2} s",
-        args.algorithm,
+        request.algorithm,
         request.named.name,
-        request.scenario.name,
+        task.scenario.name,
         search.evaluations(),
         simulated as f64 / 1e6,
         skipped as f64 / 1e6,
-        wall
+        request.begun.elapsed().as_secs_f64()
     );
     if diverged > 0 {
         let _ = writeln!(text, "{diverged} candidates diverged; they cost infinity");
@@ -135,10 +122,10 @@ pub(super) fn summary(
     );
     flight_rows(&mut table, flown);
     let _ = writeln!(text, "{table}");
-    text.push_str(&bound_warnings(request, found));
-    text.push_str(&in_the_rigs_world(args, request, found, &objective_name));
-    let _ = writeln!(text, "gains:   {}\nfigure:  {}", args.out.display(), request.plot.display());
-    let _ = writeln!(text, "fly it:  cargo run -p host-sim simulate --gains {}", shown(&args.out));
+    text.push_str(&bound_warnings(task.bounds, found));
+    text.push_str(&in_the_rigs_world(task, found, &objective_name));
+    let _ = writeln!(text, "gains:   {}\nfigure:  {}", request.out.display(), task.plot.display());
+    let _ = writeln!(text, "fly it:  cargo run -p host-sim simulate --gains {}", shown(request.out));
     text
 }
 
@@ -176,8 +163,7 @@ fn flight_rows(table: &mut comfy_table::Table, flown: &[Flight; 2]) {
     row("peak demand, tail [V]", &|f| format!("{:.1}", f.report.tail.peak_demand));
 }
 
-fn bound_warnings(request: &Request, found: &GainsFile) -> String {
-    let [low, high] = request.bounds;
+fn bound_warnings([low, high]: [f64; 2], found: &GainsFile) -> String {
     let near = NEAR_A_BOUND * (high - low);
     let mut text = String::new();
     for (name, value) in NAMES.iter().zip(found.gains().expect("the paper's law").to_paper_order()) {
@@ -198,16 +184,16 @@ fn bound_warnings(request: &Request, found: &GainsFile) -> String {
 }
 
 /// The same two sets of gains with what an objective in the paper's world does not see.
-fn in_the_rigs_world(args: &Args, request: &Request, found: &GainsFile, objective_name: &str) -> String {
-    if args.fidelity == choices::Fidelity::Rig {
+fn in_the_rigs_world(task: &Task<'_>, found: &GainsFile, objective_name: &str) -> String {
+    if task.fidelity == Fidelity::Rig {
         return String::new();
     }
     let mut text = format!(
         "\nWhat {objective_name} in the paper's world does not see: the same gains in the rig's (--fidelity \
          rig: rotor lag {} s, encoder counts, estimated rates, one tick of delay)\n",
-        request.named.rig.plant.rotor_time_constant.main
+        task.request.named.rig.plant.rotor_time_constant.main
     );
-    let flights = [GainsFile::paper(), found.clone()].map(|g| fly_in(args, request, &g, Fidelity::Rig));
+    let flights = [GainsFile::paper(), found.clone()].map(|g| task.fly_in(&g, Fidelity::Rig));
     let cell = |f: &Outcome<Flight>, of: &dyn Fn(&Flight) -> String| match f {
         Ok(flight) => of(flight),
         Err(_) => "diverges".to_owned(),

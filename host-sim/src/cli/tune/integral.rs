@@ -1,0 +1,165 @@
+//! `tune` on an integral of the error: the paper's law over one scenario.
+
+use super::report::{document, name_of, summary};
+use super::request::Request;
+use crate::cli::choices;
+use crate::cli::common::{End, no_effect, pair};
+use crate::cli::{print, print_json};
+use crate::error::{Failure, Outcome};
+use crate::figures;
+use crate::files::{self, figure, output};
+use std::path::PathBuf;
+use twinrotor::axes::PerAxis;
+use twinrotor::gains::NAMES;
+use twinrotor_sim::error::at_least;
+use twinrotor_sim::flight::{self, Fidelity, Flight, Plan, Scalar};
+use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::{Bounds, Draws};
+
+/// Flags that act on ise, iae and itae.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+#[command(next_help_heading = "With --objective ise, iae or itae")]
+pub(super) struct Args {
+    /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own [default: step]
+    #[arg(long)]
+    scenario: Option<String>,
+    /// The paper's world or the rig's [default: ideal]
+    #[arg(long)]
+    fidelity: Option<choices::Fidelity>,
+    /// How long each candidate flies \[s\] instead of the scenario's duration
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    horizon: Option<f64>,
+    /// Least and most of each gain [default: 1,25]
+    #[arg(long, value_name = "LO,HI", allow_hyphen_values = true)]
+    bounds: Option<String>,
+    /// Where to draw both step responses (.svg or .png) [default: beside the gains, as .svg]
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+/// The flags, resolved.
+pub(super) struct Task<'a> {
+    pub(super) request: &'a Request<'a>,
+    pub(super) criterion: Criterion,
+    pub(super) scenario: Scenario,
+    pub(super) fidelity: Fidelity,
+    pub(super) bounds: [f64; 2],
+    pub(super) plot: PathBuf,
+}
+
+impl Args {
+    /// Refuses what the robust objective would not heed.
+    pub(super) fn refuse_for_robust(&self) -> Outcome<()> {
+        let robust = "with --objective robust";
+        if self.scenario.is_some() {
+            return Err(no_effect("--scenario", robust, "it flies a step of its own"));
+        }
+        if self.horizon.is_some() {
+            return Err(no_effect("--horizon", robust, "how long it flies is the preset's"));
+        }
+        if self.bounds.is_some() {
+            return Err(no_effect("--bounds", robust, "it searches within --range of where it starts"));
+        }
+        if self.plot.is_some() {
+            return Err(no_effect("--plot", robust, "it draws nothing"));
+        }
+        if self.fidelity == Some(choices::Fidelity::Ideal) {
+            return Err(no_effect("--fidelity ideal", robust, "its only world is the rig's"));
+        }
+        Ok(())
+    }
+
+    fn resolve<'a>(&self, request: &'a Request<'a>, criterion: Criterion) -> Outcome<Task<'a>> {
+        let mut scenario = files::scenario(self.scenario.as_deref().unwrap_or("step"))?;
+        if let Some(horizon) = self.horizon {
+            scenario.duration = at_least("--horizon", horizon, 0.0, true)?;
+        }
+        scenario.validate()?;
+        let bounds = self.bounds.as_deref().map_or(Ok([1.0, 25.0]), |text| pair("--bounds", text))?;
+        at_least("--bounds: the lower one", bounds[0], 0.0, true)?;
+        at_least("--bounds: the upper one", bounds[1], bounds[0], true)?;
+        let plot = self.plot.clone().unwrap_or_else(|| request.out.with_extension("svg"));
+        figure::check("--plot", &plot)?;
+        let fidelity = self.fidelity.map_or(Fidelity::Ideal, Into::into);
+        Ok(Task { request, criterion, scenario, fidelity, bounds, plot })
+    }
+}
+
+pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> Outcome<()> {
+    let task = args.resolve(request, criterion)?;
+    let Task { scenario, fidelity, bounds, plot, .. } = &task;
+    let named = &request.named;
+    let objective = Objective::new(criterion, &named.rig, scenario, *fidelity, request.seed);
+    let identity = format!(
+        "{} {:?} scenario {scenario:?} fidelity {fidelity:?} objective {} seed {} bounds {bounds:?} {:?}",
+        named.name,
+        named.rig,
+        name_of(criterion),
+        request.seed,
+        request.setup,
+    );
+    let box_of_gains = Bounds::new(vec![*bounds; NAMES.len()])?;
+    let mut search =
+        request.begin(identity, || request.setup.start(box_of_gains, Draws::new(request.seed)))?;
+    let end = request.drive(&objective, &mut search)?;
+    let Some(best) = search.best().filter(|b| b.cost.is_finite()) else {
+        return Err(Failure::Run("no candidate flew to the end; nothing is written".to_owned()));
+    };
+
+    let mut found = Objective::controller(&best.position);
+    found.provenance = Some(Provenance {
+        preset: named.name.clone(),
+        objective: name_of(criterion),
+        algorithm: request.algorithm.to_owned(),
+        seed: request.seed,
+        evaluations: search.evaluations(),
+        cost: best.cost,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    });
+    output::write(request.out, found.to_toml().as_bytes())?;
+    let fly = |gains: &GainsFile| task.fly_in(gains, *fidelity);
+    let flown = [fly(&GainsFile::paper())?, fly(&found)?];
+    let pair = [("paper", &flown[0]), ("tuned", &flown[1])];
+    figure::write(&figures::comparison(&task.title(), pair, named.rig.volts_limit), plot)?;
+
+    if request.json {
+        print_json(&document(&task, &search, &found))?;
+    } else {
+        print(&summary(&task, &search, &objective, &found, &flown))?;
+    }
+    match end {
+        End::Interrupted => Err(Failure::Interrupted),
+        End::Complete | End::TimeLimit => Ok(()),
+    }
+}
+
+impl Task<'_> {
+    /// Gains on the scenario that is tuned for.
+    pub(super) fn fly_in(&self, gains: &GainsFile, fidelity: Fidelity) -> Outcome<Flight> {
+        let rig = &self.request.named.rig;
+        let settings = gains.settings(rig);
+        let plan = Plan {
+            rig,
+            settings: &settings,
+            scenario: &self.scenario,
+            initial: PerAxis::both(0.0),
+            fidelity,
+            seed: self.request.seed,
+        };
+        Ok(flight::fly(&plan, Scalar::F32)?)
+    }
+
+    fn title(&self) -> String {
+        format!(
+            "{}, scenario {}: Table 4 and gains tuned by {} on {}",
+            self.request.named.name,
+            self.scenario.name,
+            self.request.algorithm,
+            name_of(self.criterion).to_uppercase()
+        )
+    }
+}

@@ -1,0 +1,196 @@
+//! `tune --objective robust`: any parameter of any controller, on many plants at once.
+
+use super::report::Run;
+use super::request::Request;
+use crate::cli::common::{End, no_effect, within};
+use crate::cli::{print, print_json, tables};
+use crate::error::{Failure, Outcome};
+use crate::files::{self, output};
+use serde::Serialize;
+use std::fmt::Write;
+use twinrotor::controller::ControllerSettings;
+use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::robust::{self, Limit, Plan, Robust, Terms, Trial};
+use twinrotor_tune::search::Search;
+use twinrotor_tune::tunable::Tunable;
+
+/// Flags that act on the robust objective.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+#[command(next_help_heading = "With --objective robust")]
+pub(super) struct Args {
+    /// Which controller's design to start from [default: integral]
+    #[arg(long, value_name = "NAME")]
+    controller: Option<String>,
+    /// Start from these gains instead
+    #[arg(long, value_name = "FILE", conflicts_with = "controller")]
+    start: Option<String>,
+    /// Which parameters to tune, such as yaw,filter.bandwidth.pitch [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    parameters: Vec<String>,
+    /// Keep a number that `compare --json` tells within a limit, such as overshoot_p95.yaw=2
+    #[arg(long, value_name = "NUMBER=MOST", value_delimiter = ',')]
+    at_most: Vec<String>,
+    /// On how many plants [default: 32]
+    #[arg(long, value_name = "N")]
+    plants: Option<usize>,
+    /// Searches one after the other, each around the best so far and within less [default: 4]
+    #[arg(long, value_name = "N")]
+    rounds: Option<usize>,
+    /// Factor within which each parameter is searched at first [default: 4]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    range: Option<f64>,
+}
+
+impl Args {
+    /// Refuses what an integral of the error would not heed.
+    pub(super) fn refuse_for_integral(&self) -> Outcome<()> {
+        let law = "an integral of the error is of the paper's law, its four gains and one plant";
+        let given = [
+            ("--controller", self.controller.is_some()),
+            ("--start", self.start.is_some()),
+            ("--parameters", !self.parameters.is_empty()),
+            ("--at-most", !self.at_most.is_empty()),
+            ("--plants", self.plants.is_some()),
+            ("--rounds", self.rounds.is_some()),
+            ("--range", self.range.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(no_effect(flag, "without --objective robust", law)),
+            None => Ok(()),
+        }
+    }
+
+    /// The controller that the search starts from: a gains file's, or a design of the catalogue.
+    fn start(&self, request: &Request<'_>) -> Outcome<ControllerSettings<f64>> {
+        if let Some(path) = &self.start {
+            return Ok(files::gains("--start", path)?.controller);
+        }
+        let name = self.controller.as_deref().unwrap_or("integral");
+        let design = known_name("controller", name, &CATALOGUE)?;
+        Ok(design(&request.named.rig))
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    run: Run<'a>,
+    objective: &'static str,
+    plants: usize,
+    terms: Terms,
+    failures: usize,
+    gains: &'a GainsFile,
+}
+
+/// Tunes, writes and reports.
+pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
+    let named = &request.named;
+    let start = args.start(request)?;
+    let tunable = Tunable::new(&start, &args.parameters).map_err(Failure::of_flag)?;
+    let range = at_least("--range", args.range.unwrap_or(4.0), 1.0, true)?;
+    let plants = within("--plants", args.plants.unwrap_or(32), 1, 100_000)?;
+    let rounds = within("--rounds", args.rounds.unwrap_or(4), 1, 1_000)?;
+    let limit = |text: &String| Limit::parse(text).map_err(Failure::of_flag);
+    let limits = args.at_most.iter().map(limit).collect::<Outcome<Vec<_>>>()?;
+    let seed = request.seed;
+    let trial = Trial::new(&named.rig, plants, seed, robust::allowance(&named.name, &named.rig));
+    let plan = Plan { setup: request.setup, rounds, range, seed };
+    let identity = format!(
+        "{} {:?} robust {plants} plants {tunable:?} {plan:?} at most {:?}",
+        named.name, named.rig, args.at_most
+    );
+    let mut search = request.begin(identity, || plan.start(tunable.names().len()))?;
+    let end = request.drive(&Robust::new(&trial, &tunable).within(&limits), &mut search)?;
+    let best = search.best().expect("the start is evaluated first");
+    let found = tunable.controller(&best.position);
+
+    let mut file = GainsFile { controller: found, provenance: None };
+    file.provenance = Some(Provenance {
+        preset: named.name.clone(),
+        objective: std::iter::once(format!("robust, {plants} plants"))
+            .chain(args.at_most.iter().cloned())
+            .collect::<Vec<_>>()
+            .join(", "),
+        algorithm: format!("{}, {rounds} rounds", request.algorithm),
+        seed,
+        evaluations: search.evaluations(),
+        cost: best.cost,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    });
+    output::write(request.out, file.to_toml().as_bytes())?;
+
+    let before = trial.scores(&start);
+    let after = trial.scores(&found);
+    if request.json {
+        print_json(&Document {
+            run: Run::new(request, &search, 2.0 * trial.allowance),
+            objective: "robust",
+            plants,
+            terms: Terms::mean(after.iter().map(robust::Score::terms)),
+            failures: after.iter().filter(|s| s.failed).count(),
+            gains: &file,
+        })?;
+    } else {
+        let tuned =
+            Tunable::new(&found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
+        print(&summary(request, &tunable, &search, &tuned, [&before, &after]))?;
+    }
+    if end == End::Interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+fn summary(
+    request: &Request<'_>,
+    tunable: &Tunable,
+    search: &Search,
+    tuned: &[f64],
+    [before, after]: [&[robust::Score]; 2],
+) -> String {
+    let mut text = format!(
+        "{} on preset {}, robust objective, {} plants: {} evaluations in {:.1} s\n",
+        request.algorithm,
+        request.named.name,
+        after.len(),
+        search.evaluations(),
+        request.begun.elapsed().as_secs_f64()
+    );
+    let mut table = tables::table(&["", "start", "tuned"]);
+    for ((field, start), found) in tunable.fields().iter().zip(tunable.start()).zip(tuned) {
+        tables::add(
+            &mut table,
+            [format!("{} [{}]", field.name, field.unit), format!("{start:.4}"), format!("{found:.4}")],
+        );
+    }
+    let mean = |scores: &[robust::Score]| Terms::mean(scores.iter().map(robust::Score::terms));
+    let (old, new) = (mean(before), mean(after));
+    for ((name, a), (_, b)) in old.named().into_iter().zip(new.named()) {
+        tables::add(&mut table, [format!("mean of term: {name}"), format!("{a:.4}"), format!("{b:.4}")]);
+    }
+    let costs = |scores: &[robust::Score]| scores.iter().map(robust::Score::cost).collect::<Vec<_>>();
+    tables::add(
+        &mut table,
+        ["mean(c)".to_owned(), format!("{:.4}", old.total()), format!("{:.4}", new.total())],
+    );
+    tables::add(
+        &mut table,
+        [
+            "q90(c)".to_owned(),
+            format!("{:.4}", robust::quantile(&costs(before), 0.9)),
+            format!("{:.4}", robust::quantile(&costs(after), 0.9)),
+        ],
+    );
+    tables::add(
+        &mut table,
+        [
+            "J = mean(c) + q90(c)/2".to_owned(),
+            format!("{:.4}", robust::total(before)),
+            format!("{:.4}", robust::total(after)),
+        ],
+    );
+    let failures = |scores: &[robust::Score]| scores.iter().filter(|s| s.failed).count().to_string();
+    tables::add(&mut table, ["failures".to_owned(), failures(before), failures(after)]);
+    let _ = writeln!(text, "{table}\ngains: {}", request.out.display());
+    text
+}

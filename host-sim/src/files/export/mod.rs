@@ -1,0 +1,140 @@
+//! Tables in the formats that other tools read: Parquet (pandas, Polars, DuckDB), MCAP (PlotJuggler,
+//! Foxglove, Rerun), NumPy's `.npz`, CSV; by the file's extension.
+
+#[cfg(feature = "formats")]
+mod formats;
+
+use super::output;
+use crate::error::{Failure, Outcome};
+use std::fmt::Write;
+use std::path::Path;
+use twinrotor_sim::flight::{Reading, Row};
+
+/// One column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// Of numbers.
+    Numbers(Vec<f64>),
+    /// Of words.
+    Words(Vec<String>),
+}
+
+/// Columns of the same length with their names.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// In order.
+    pub columns: Vec<(String, Column)>,
+}
+
+/// What a path's extension may be.
+const EXTENSIONS: [&str; 4] = ["parquet", "mcap", "npz", "csv"];
+
+fn extension(path: &Path) -> Option<&str> {
+    path.extension().and_then(|e| e.to_str()).filter(|e| EXTENSIONS.contains(e))
+}
+
+/// Refuses, before any work is done, a path that could not be written or whose extension says nothing. Only
+/// what has a time can be a `.mcap`.
+///
+/// # Errors
+///
+/// If its suffix names none of the formats, or one that was left out of the build.
+pub fn check(flag: &str, path: &Path, timed: bool) -> Outcome<()> {
+    match extension(path) {
+        Some("mcap") if !timed => {}
+        #[cfg(not(feature = "formats"))]
+        Some("parquet" | "mcap" | "npz") => return Err(super::not_built(flag, path)),
+        Some(_) => return output::check(flag, path),
+        None => {}
+    }
+    let allowed = if timed { ".parquet, .mcap, .npz or .csv" } else { ".parquet, .npz or .csv" };
+    Err(Failure::Input(format!("{flag} is '{}'; allowed: a name that ends in {allowed}", path.display())))
+}
+
+#[cfg(feature = "formats")]
+fn failed(path: &Path, error: impl std::fmt::Display) -> Failure {
+    Failure::Run(format!("{}: cannot be written: {error}", path.display()))
+}
+
+impl Table {
+    /// A flight, SI units, the columns of `simulate --csv`.
+    pub fn of_flight(rows: &[Row]) -> Self {
+        let columns: [(&str, Reading); 11] = [
+            ("t", |r| (r.time * 1e6).round() / 1e6),
+            ("theta", |r| r.state.angle.pitch),
+            ("theta_dot", |r| r.state.rate.pitch),
+            ("psi", |r| r.state.angle.yaw),
+            ("psi_dot", |r| r.state.rate.yaw),
+            ("theta_ref", |r| r.reference.pitch),
+            ("psi_ref", |r| r.reference.yaw),
+            ("v_main", |r| r.volts.main),
+            ("v_tail", |r| r.volts.tail),
+            ("dist_main", |r| r.disturbance.main),
+            ("dist_tail", |r| r.disturbance.tail),
+        ];
+        let mut table = Self::default();
+        for (name, of) in columns {
+            table.push(name, Column::Numbers(rows.iter().map(of).collect()));
+        }
+        table
+    }
+
+    /// Adds a column, as long as those before it.
+    pub fn push(&mut self, name: &str, column: Column) {
+        self.columns.push((name.to_owned(), column));
+    }
+
+    fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |(_, column)| match column {
+            Column::Numbers(x) => x.len(),
+            Column::Words(x) => x.len(),
+        })
+    }
+
+    /// Writes it in the format that the path's extension names, which [`check`] has approved.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path) -> Outcome<()> {
+        let bytes = match extension(path) {
+            #[cfg(feature = "formats")]
+            Some("parquet") => self.to_parquet().map_err(|e| failed(path, e))?,
+            #[cfg(feature = "formats")]
+            Some("mcap") => self.to_mcap().map_err(|e| failed(path, e))?,
+            #[cfg(feature = "formats")]
+            Some("npz") => self.to_npz().map_err(|e| failed(path, e))?,
+            _ => self.to_csv().into_bytes(),
+        };
+        output::write(path, &bytes)
+    }
+
+    /// Shortest digits that give the same bits back.
+    pub fn to_csv(&self) -> String {
+        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let mut text = names.join(",") + "\n";
+        for row in 0..self.rows() {
+            for (k, (_, column)) in self.columns.iter().enumerate() {
+                let comma = if k == 0 { "" } else { "," };
+                let _ = match column {
+                    Column::Numbers(x) => write!(text, "{comma}{}", x[row]),
+                    Column::Words(x) => write!(text, "{comma}{}", x[row]),
+                };
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_format_that_is_not_there_is_named() {
+        let told = check("--export", Path::new("x.xlsx"), true).unwrap_err().to_string();
+        assert!(told.contains("x.xlsx") && told.contains(".mcap"), "{told}");
+        assert!(check("--export", Path::new("x.mcap"), false).is_err());
+    }
+}
