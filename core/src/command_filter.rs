@@ -81,6 +81,12 @@ impl<R: Real> CommandFilter<R> {
         self.asked = self.now;
     }
 
+    /// Goes on from where `other` is.
+    pub fn continue_from(&mut self, other: &Self) {
+        self.now = other.now;
+        self.asked = other.asked;
+    }
+
     /// What to follow in this tick, in which `wanted` is the operator's command.
     #[inline(always)]
     pub fn step(&mut self, wanted: &Reference<R>) -> &Reference<R> {

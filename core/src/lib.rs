@@ -32,7 +32,8 @@
 //!
 //! [`pipeline`] is steps 2, 4 (its filter), 5 and 6 over any [`Real`](real::Real); [`control_loop`] is the
 //! whole tick in `f32`. While the supervisor says so, [`first_power`] takes the place of steps 4 to 6: it
-//! turns one motor at a time to check the wiring. [`replay`] takes a recorded tick through the pipeline.
+//! turns one motor at a time to check the wiring. [`replay`] takes a recorded tick through the pipeline,
+//! [`trial`] another controller through a flight.
 //!
 //! # Beside the tick
 //!
@@ -136,6 +137,7 @@ pub mod control_loop;
 pub mod first_power;
 pub mod pipeline;
 pub mod replay;
+pub mod trial;
 
 // The controller's settings.
 pub mod controller;

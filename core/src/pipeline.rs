@@ -182,6 +182,30 @@ impl<R: Real> Pipeline<R> {
         self.law.restart();
     }
 
+    /// Takes over what `from`, on the same rig, is in: where the rotors and the motors' heat are, how far the
+    /// reference is on its way, and the whole of each part whose settings (`own` here, `others` there) are the
+    /// same.
+    pub fn inherit(&mut self, from: &Self, own: &ControllerSettings<R>, others: &ControllerSettings<R>)
+    where
+        R: PartialEq,
+    {
+        if let (Some(to), Some(from)) = (&mut self.rotors, &from.rotors) {
+            *to = *from;
+        }
+        if let (Some(to), Some(from)) = (&mut self.current_limit, &from.current_limit) {
+            *to = *from;
+        }
+        if own.estimator == others.estimator {
+            self.estimator = from.estimator;
+        }
+        if let (Some(to), Some(from)) = (&mut self.filter, &from.filter) {
+            to.continue_from(from);
+        }
+        if own.law == others.law {
+            self.law = from.law;
+        }
+    }
+
     /// The first half of a tick: what the angles measured now \[rad\] say, with `applied` \[V\] from now to
     /// the next tick.
     #[inline(always)]

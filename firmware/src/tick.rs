@@ -160,6 +160,7 @@ impl<P: PlantPort> Tick<P> {
                 .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
             heard: take(&HEARD),
             disarm,
+            trial: None,
             command,
         });
         self.port.write(outputs.duty, outputs.enable);

@@ -13,7 +13,8 @@ use crate::real::Real;
 use crate::reference::Reference;
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
-use crate::telemetry::{Frame, InForce, Taken};
+use crate::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
+use crate::trial::{Accepted, Candidate, Trial};
 use serde::{Deserialize, Serialize};
 
 /// Counters in, duties out, once a tick.
@@ -26,7 +27,9 @@ pub struct ControlLoop {
     still: u32,
     zeroed: bool,
     checked: bool,
-    pipeline: Pipeline<f32>,
+    accepted: Accepted,
+    trial: Option<Trial>,
+    kept: Kept,
     monitor: Monitor,
     supervisor: Supervisor,
     check: FirstPowerCheck,
@@ -59,6 +62,8 @@ pub struct Inputs<'a> {
     pub heard: bool,
     /// The operator wants the motors off. Goes before `command`, which is forgotten.
     pub disarm: bool,
+    /// A controller to be tried, while armed and while none is.
+    pub trial: Option<&'a Candidate>,
     /// What else the operator wants, if anything new.
     pub command: Option<&'a Numbered<OperatorCommand>>,
 }
@@ -72,6 +77,10 @@ pub enum OperatorCommand {
     Setpoint(Reference<f32>),
     /// To take where the rig lies now, motors off and still, for its rest pose.
     Zero,
+    /// To keep the controller that is being tried, once it flies alone.
+    Accept,
+    /// To go back to the accepted controller.
+    Revert,
 }
 
 /// What the board is to do when a tick ends.
@@ -105,7 +114,13 @@ impl ControlLoop {
             still: 0,
             zeroed: false,
             checked: parameters.checked,
-            pipeline: Pipeline::new(&parameters.settings, encoders.map(|e| e.angle())),
+            accepted: Accepted {
+                pipeline: Pipeline::new(&parameters.settings, encoders.map(|e| e.angle())),
+                controller: parameters.settings.controller,
+                worst: PerAxis::zero(),
+            },
+            trial: None,
+            kept: Kept::Stored,
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters.limits.check),
@@ -169,14 +184,48 @@ impl ControlLoop {
                 sequence,
                 ago: u8::try_from(tick.wrapping_sub(at)).unwrap_or(u8::MAX),
             }),
-            controller: InForce::default(),
+            controller: self.in_force(),
+        }
+    }
+
+    /// Which controller decides, for telemetry.
+    fn in_force(&self) -> InForce {
+        let (trial, blend) = self.trial.as_ref().map_or((TrialPhase::None, 0), |t| (t.phase(), t.percent()));
+        InForce { accepted: self.kept, trial, blend }
+    }
+
+    /// A trial's part of the tick.
+    #[inline(never)]
+    fn go_on_trying(
+        &mut self,
+        belief: Belief<f32>,
+        reference: &Reference<f32>,
+        command: Option<&OperatorCommand>,
+    ) {
+        let Some(trial) = &mut self.trial else { return };
+        if command == Some(&OperatorCommand::Revert) {
+            trial.take_back();
+        }
+        let decision = trial.decide(&self.decision, belief, reference);
+        let over = decision.is_none() || trial.is_over();
+        if let Some(decision) = decision {
+            self.decision = decision;
+        }
+        if over {
+            self.trial = None;
+        } else if command == Some(&OperatorCommand::Accept)
+            && let Some((accepted, _)) = trial.accept()
+        {
+            self.accepted = accepted;
+            self.kept = Kept::Unsaved;
+            self.trial = None;
         }
     }
 
     /// \[N m\] What the limits left over of what the law asked for.
     fn unallocated_torque(&self) -> PerAxis<f32> {
         if self.is_armed() {
-            self.pipeline.unallocated_torque(&self.decision.allocation)
+            self.accepted.pipeline.unallocated_torque(&self.decision.allocation)
         } else {
             PerAxis::zero()
         }
@@ -187,13 +236,22 @@ impl ControlLoop {
     pub fn tick(&mut self, inputs: &Inputs<'_>) -> Outputs {
         let command = self.take(inputs);
         let (measured, moved) = self.read_encoders(inputs.counters);
-        let mut belief = self.pipeline.believe(measured, self.latched);
-        self.find_conditions(inputs, &belief.estimate, moved);
+        let mut belief = self.accepted.pipeline.believe(measured, self.latched);
+        let tried = self.trial.as_mut().map(|trial| trial.believe(measured, self.latched));
+        let flies = self.trial.as_ref().is_some_and(|trial| trial.phase() == TrialPhase::Flying);
+        let leading = tried.filter(|_| flies).unwrap_or(belief);
+        self.find_conditions(inputs, &leading.estimate, moved);
         if self.supervise(inputs.disarm, command, measured) {
-            belief = self.pipeline.believe_once(measured, self.latched);
+            belief = self.accepted.pipeline.believe_once(measured, self.latched);
         }
         let reference = self.follow(command);
         self.decide(belief, reference, measured);
+        if let (Some(belief), true) = (tried, self.is_armed()) {
+            self.go_on_trying(belief, &reference, command);
+        }
+        if let (Some(candidate), None, true) = (inputs.trial, &self.trial, self.is_armed()) {
+            self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
+        }
         self.supply = inputs.supply;
         // Never below what is allowed: a supply read too low would give the motors more than they should have.
         // In this order, a NaN stays one.
@@ -260,7 +318,9 @@ impl ControlLoop {
         if !self.supervisor.step(self.conditions, request) {
             return false;
         }
-        self.pipeline.restart(measured);
+        self.accepted.pipeline.restart(measured);
+        self.accepted.worst = PerAxis::zero();
+        self.trial = None;
         match self.supervisor.state() {
             ArmState::Armed => {
                 self.monitor.restart();
@@ -291,6 +351,9 @@ impl ControlLoop {
         }
         if self.monitor.has_just_lost_link() {
             self.approach.lose_link();
+            if let Some(trial) = &mut self.trial {
+                trial.take_back();
+            }
         }
         self.approach.step()
     }
@@ -299,7 +362,7 @@ impl ControlLoop {
     fn zero(&mut self) {
         self.encoders.pitch.set_position(self.rest_counts.pitch);
         self.encoders.yaw.set_position(self.rest_counts.yaw);
-        self.pipeline.restart(self.encoders.map(|e| e.angle()));
+        self.accepted.pipeline.restart(self.encoders.map(|e| e.angle()));
         self.zeroed = true;
     }
 
@@ -307,7 +370,11 @@ impl ControlLoop {
     /// nothing.
     fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
         if self.is_armed() {
-            self.decision = self.pipeline.decide(belief, &reference);
+            self.decision = self.accepted.pipeline.decide(belief, &reference);
+            // During a trial, errors are not its own alone.
+            if self.trial.is_none() {
+                self.accepted.note(&self.decision);
+            }
             return;
         }
         self.decision = Decision::idle(belief.estimate, reference.angle);

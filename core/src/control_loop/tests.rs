@@ -1,3 +1,5 @@
+mod trial;
+
 use super::*;
 use crate::SAMPLE_TIME;
 use crate::bench::{Bench, Faults};
@@ -38,6 +40,7 @@ struct Flight {
     senses: Conditions,
     heard: bool,
     disarm: bool,
+    candidate: Option<Candidate>,
 }
 
 impl Flight {
@@ -64,6 +67,7 @@ impl Flight {
             senses: Conditions::NONE,
             heard: true,
             disarm: false,
+            candidate: None,
         }
     }
 
@@ -92,6 +96,7 @@ impl Flight {
             senses: self.senses,
             heard: self.heard,
             disarm: core::mem::take(&mut self.disarm),
+            trial: self.candidate.take().as_ref(),
             command: command.map(numbered).as_ref(),
         });
         // It lies on a table until it is armed.

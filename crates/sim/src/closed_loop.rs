@@ -192,6 +192,7 @@ impl BoardLoop {
             senses: Conditions::NONE,
             heard: true,
             disarm: false,
+            trial: None,
             command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
         })
     }

@@ -175,6 +175,7 @@ impl SimulatedBoard {
             senses: self.senses.union(self.conversation.standing()),
             heard: std::mem::take(&mut self.heard),
             disarm,
+            trial: None,
             command,
         });
         if command.is_some() {

@@ -73,6 +73,7 @@ impl Host {
             senses: Conditions::NONE,
             heard: true,
             disarm: false,
+            trial: None,
             command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
         });
         (control, outputs)

@@ -1,0 +1,227 @@
+//! Another controller, tried in flight: first as a shadow of the accepted one, then with a growing share of
+//! the volts, then alone, until it is accepted or the accepted one takes over again.
+//!
+//! The candidate computes from the same measurements and the volts that really act, so what it believes has
+//! settled before it is listened to, and no law's integrators have to be known to change without a bump: the
+//! volts of both are within their limits, and so is every mixture. What the two have in common, settings and
+//! all, the candidate takes over as it stands; a controller that is its own trial gives the same bits.
+//!
+//! The trial is over, by the same mixture back, when it is not accepted in time, is taken back, or tracks
+//! worse than [`ERROR_FACTOR`] times the accepted one's recent worst; at once when it makes something that is
+//! not finite, and when the motors go off for whatever reason.
+
+use crate::axes::{PerAxis, PerMotor};
+use crate::controller::ControllerSettings;
+use crate::estimator::Belief;
+use crate::parameters::Parameters;
+use crate::pipeline::{Decision, Pipeline, Settings};
+use crate::real::Real;
+use crate::reference::Reference;
+use crate::sequence::Sequence;
+use crate::telemetry::TrialPhase;
+use crate::validate::{Invalid, require};
+
+/// \[ticks\] For which a candidate is a shadow.
+pub const SHADOW_TICKS: u32 = 300;
+/// How many times the accepted controller's recent worst error ends a trial.
+pub const ERROR_FACTOR: f32 = 2.0;
+/// \[rad\] The least error that does: one degree.
+pub const LEAST_ERROR: f32 = core::f32::consts::PI / 180.0;
+/// What a tick keeps of the recent worst error: it fades with a time constant of 32.8 s.
+const KEEP: f32 = 1.0 - 1.0 / 32_768.0;
+
+/// A controller to be tried, made ready outside the tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    sequence: Sequence,
+    controller: ControllerSettings<f32>,
+    pipeline: Pipeline<f32>,
+    /// \[ticks\] From none of the volts to all of them.
+    fade: u32,
+    /// \[ticks\] That it flies alone without being accepted.
+    revert: u32,
+}
+
+impl Candidate {
+    /// `controller` on the rig of `parameters`: no model, limit or encoder changes. `fade` and `revert` in
+    /// ticks; `sequence` is that of the message that asks for it.
+    ///
+    /// # Errors
+    /// Names the first value out of its range.
+    pub fn new(
+        parameters: &Parameters,
+        controller: ControllerSettings<f32>,
+        fade: u32,
+        revert: u32,
+        sequence: Sequence,
+    ) -> Result<Self, Invalid<f32>> {
+        #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
+        let ticks = |field, ticks: u32, most, allowed| {
+            require(field, ticks as f32, (1..=most).contains(&ticks), allowed)
+        };
+        ticks("trial.fade", fade, 10_000, "1 to 10000 ms")?;
+        ticks("trial.revert", revert, 600_000, "1 to 600000 ms")?;
+        // Zero, or a NaN.
+        let mut sum = 0.0;
+        let _ = controller.map(|number| sum += 0.0 * number);
+        require("trial.controller", sum, sum.is_finite(), "finite numbers")?;
+        controller.validate()?;
+        let settings = Settings { controller, ..parameters.settings };
+        let pipeline = Pipeline::new(&settings, PerAxis::zero());
+        Ok(Self { sequence, controller, pipeline, fade, revert })
+    }
+
+    /// Number of the message that asked for it.
+    #[must_use]
+    pub const fn sequence(&self) -> Sequence {
+        self.sequence
+    }
+}
+
+/// A controller, and what is known of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Accepted {
+    pub(crate) pipeline: Pipeline<f32>,
+    pub(crate) controller: ControllerSettings<f32>,
+    /// \[rad\] Its largest error of late.
+    pub(crate) worst: PerAxis<f32>,
+}
+
+impl Accepted {
+    /// Takes the error of a tick.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, decision: &Decision<f32>) {
+        self.worst = error(decision).zip(self.worst, |now, worst| Real::max(now, KEEP * worst));
+    }
+}
+
+/// \[rad\] Of both axes, as the law sees it.
+#[inline(always)]
+fn error(decision: &Decision<f32>) -> PerAxis<f32> {
+    decision.reference.minus(decision.estimate.state.angle).map(f32::abs)
+}
+
+/// A trial under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Trial {
+    candidate: Candidate,
+    phase: TrialPhase,
+    /// \[ticks\] In this phase.
+    ticks: u32,
+    /// \[ticks\] Of `candidate.fade`: its share in the volts.
+    share: u32,
+    /// \[rad\] The error that ends it.
+    bound: PerAxis<f32>,
+}
+
+impl Trial {
+    /// Begins beside `accepted`, at the end of a tick, where the rig is at `angle` \[rad\].
+    pub(crate) fn begin(candidate: &Candidate, accepted: &Accepted, angle: PerAxis<f32>) -> Self {
+        let mut candidate = *candidate;
+        candidate.pipeline.restart(angle);
+        candidate.pipeline.inherit(&accepted.pipeline, &candidate.controller, &accepted.controller);
+        let bound = accepted.worst.map(|worst| Real::max(LEAST_ERROR, ERROR_FACTOR * worst));
+        Self { candidate, phase: TrialPhase::Shadow, ticks: 0, share: 0, bound }
+    }
+
+    pub(crate) const fn phase(&self) -> TrialPhase {
+        self.phase
+    }
+
+    /// \[%\] The candidate's share in the volts.
+    pub(crate) fn percent(&self) -> u8 {
+        u8::try_from(u64::from(self.share) * 100 / u64::from(self.candidate.fade)).unwrap_or(100)
+    }
+
+    /// What the candidate believes.
+    #[inline(never)]
+    pub(crate) fn believe(&mut self, measured: PerAxis<f32>, applied: PerMotor<f32>) -> Belief<f32> {
+        self.candidate.pipeline.believe_once(measured, applied)
+    }
+
+    /// What the motors are to do, of what the accepted controller says (`own`) and what the candidate says from
+    /// its `belief`. None ends the trial at once: what the candidate says is not finite.
+    #[inline(never)]
+    pub(crate) fn decide(
+        &mut self,
+        own: &Decision<f32>,
+        belief: Belief<f32>,
+        setpoint: &Reference<f32>,
+    ) -> Option<Decision<f32>> {
+        let new = self.candidate.pipeline.decide_once(belief, setpoint);
+        let found = error(&new);
+        if new.allocation.fault() || !(found.pitch + found.yaw).is_finite() {
+            return None;
+        }
+        self.advance(found);
+        Some(match self.phase {
+            TrialPhase::None | TrialPhase::Shadow => *own,
+            TrialPhase::Flying => new,
+            TrialPhase::FadingIn | TrialPhase::FadingOut => {
+                #[expect(clippy::cast_precision_loss, reason = "at most 10,000")]
+                let share = self.share as f32 / self.candidate.fade as f32;
+                let mix = |old: PerMotor<f32>, new| old.zip(new, |old, new| mixture(old, new, share));
+                let mut mixed = *own;
+                mixed.allocation.volts = mix(own.allocation.volts, new.allocation.volts);
+                mixed.allocation.demand = mix(own.allocation.demand, new.allocation.demand);
+                mixed
+            }
+        })
+    }
+
+    /// A tick further.
+    fn advance(&mut self, found: PerAxis<f32>) {
+        self.ticks += 1;
+        match self.phase {
+            TrialPhase::None => {}
+            TrialPhase::Shadow => {
+                if self.ticks == SHADOW_TICKS {
+                    self.enter(TrialPhase::FadingIn);
+                }
+            }
+            TrialPhase::FadingIn | TrialPhase::Flying
+                if found.pitch > self.bound.pitch || found.yaw > self.bound.yaw =>
+            {
+                self.enter(TrialPhase::FadingOut);
+            }
+            TrialPhase::FadingIn => {
+                self.share += 1;
+                if self.share == self.candidate.fade {
+                    self.enter(TrialPhase::Flying);
+                }
+            }
+            TrialPhase::Flying if self.ticks == self.candidate.revert => self.enter(TrialPhase::FadingOut),
+            TrialPhase::Flying => {}
+            TrialPhase::FadingOut => self.share = self.share.saturating_sub(1),
+        }
+    }
+
+    fn enter(&mut self, phase: TrialPhase) {
+        self.phase = phase;
+        self.ticks = 0;
+    }
+
+    /// Back to the accepted controller.
+    pub(crate) fn take_back(&mut self) {
+        if self.phase != TrialPhase::FadingOut {
+            self.enter(TrialPhase::FadingOut);
+        }
+    }
+
+    /// Nothing of the candidate is left in the volts, and nothing will be.
+    pub(crate) fn is_over(&self) -> bool {
+        self.phase == TrialPhase::FadingOut && self.share == 0
+    }
+
+    /// The candidate as the accepted one, if it flies alone.
+    pub(crate) fn accept(&self) -> Option<(Accepted, Sequence)> {
+        let Candidate { pipeline, controller, sequence, .. } = self.candidate;
+        let accepted = Accepted { pipeline, controller, worst: self.bound.scaled(1.0 / ERROR_FACTOR) };
+        (self.phase == TrialPhase::Flying).then_some((accepted, sequence))
+    }
+}
+
+/// `share` of the way from `old` to `new`; where they are the same, exactly that.
+fn mixture(old: f32, new: f32, share: f32) -> f32 {
+    if old.to_bits() == new.to_bits() { old } else { old + share * (new - old) }
+}
