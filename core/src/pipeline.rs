@@ -183,8 +183,8 @@ impl<R: Real> Pipeline<R> {
     }
 
     /// Takes over what `from`, on the same rig, is in: where the rotors and the motors' heat are, how far the
-    /// reference is on its way, and the whole of each part whose settings (`own` here, `others` there) are the
-    /// same.
+    /// reference is on its way, and the whole of each part whose settings (`own` here, `others` there) are
+    /// the same.
     pub fn inherit(&mut self, from: &Self, own: &ControllerSettings<R>, others: &ControllerSettings<R>)
     where
         R: PartialEq,

@@ -139,8 +139,8 @@ impl Trial {
         self.candidate.pipeline.believe_once(measured, applied)
     }
 
-    /// What the motors are to do, of what the accepted controller says (`own`) and what the candidate says from
-    /// its `belief`. None ends the trial at once: what the candidate says is not finite.
+    /// What the motors are to do, of what the accepted controller says (`own`) and what the candidate says
+    /// from its `belief`. None ends the trial at once: what the candidate says is not finite.
     #[inline(never)]
     pub(crate) fn decide(
         &mut self,

@@ -15,8 +15,8 @@ unsafe impl Sync for Kept {}
 #[unsafe(link_section = ".uninit.NONCE")]
 static LAST: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// The next number of a sequence that comes back to one only after 2^32 (Numerical Recipes' generator). Called
-/// once.
+/// The next number of a sequence that comes back to one only after 2^32 (Numerical Recipes' generator).
+/// Called once.
 pub(crate) fn draw() -> Nonce {
     #[expect(unsafe_code, reason = "a word of RAM that nobody initialises")]
     // SAFETY: any bits are a number; nobody else uses it.

@@ -253,8 +253,8 @@ impl ControlLoop {
             self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
         }
         self.supply = inputs.supply;
-        // Never below what is allowed: a supply read too low would give the motors more than they should have.
-        // In this order, a NaN stays one.
+        // Never below what is allowed: a supply read too low would give the motors more than they should
+        // have. In this order, a NaN stays one.
         let supply = Real::max(self.supply_low, inputs.supply);
         let duty = self.drive.duty(self.decision.allocation.volts, supply);
         self.latched = self.drive.volts(duty, supply);

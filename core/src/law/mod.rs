@@ -10,7 +10,6 @@ mod super_twisting;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
-#[allow(dead_code, unreachable_pub, reason = "the macros declare more than the test asks of its law")]
 mod toy;
 
 pub use backstepping::{Backstepping, Errors};

@@ -7,8 +7,9 @@
 //!
 //! A message to the board travels as [`Numbered`]: one whose number is not newer than what the board has
 //! dealt with is dropped and counted, since a line may hand out old bytes again. [`ToBoard::Identify`] is
-//! answered and [`ToBoard::Disarm`] obeyed whatever its number. What can turn a motor, clear a fault or change
-//! what flies carries the [`Nonce`] of this boot: a host that has not asked who is there cannot do that.
+//! answered and [`ToBoard::Disarm`] obeyed whatever its number. What can turn a motor, clear a fault or
+//! change what flies carries the [`Nonce`] of this boot: a host that has not asked who is there cannot do
+//! that.
 //!
 //! ```
 //! use twinrotor::link::{Decoder, MAX_FRAME, Nonce, ToBoard, encode};

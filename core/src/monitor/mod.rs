@@ -37,8 +37,8 @@ pub const JUMP_COUNTS: f32 = 3.0;
 /// \[ticks\] A supply dips for a moment whenever a motor starts.
 pub const SUPPLY_TICKS: u32 = 10;
 /// Share of the last reading by which the supply may change in one tick. 24 V on 1 mF, with both motors of an
-/// Aero at their peak current (4 A) and nothing coming after, fall by 4 V in that time, which is 17 %; a loose
-/// wire or a wrong sample knows no such limit.
+/// Aero at their peak current (4 A) and nothing coming after, fall by 4 V in that time, which is 17 %; a
+/// loose wire or a wrong sample knows no such limit.
 pub const SUPPLY_JUMP: f32 = 0.2;
 /// \[ticks\] An amplifier may limit for a moment at every step.
 pub const CURRENT_TICKS: u32 = 5;

@@ -206,8 +206,9 @@ impl core::error::Error for ParameterError {}
 impl Parameters {
     /// For a rig and a controller: settings as given, the rest as the rig has it.
     ///
-    /// The host may be silent for half a second; then the motors are switched off. The reference approaches at .5 rad/s. The first-power check gives half of each motor's limit:
-    /// with less, real friction holds the yaw axis of an Aero, which needs 7 to 8 V to break away.
+    /// The host may be silent for half a second; then the motors are switched off. The reference approaches
+    /// at .5 rad/s. The first-power check gives half of each motor's limit: with less, real friction holds
+    /// the yaw axis of an Aero, which needs 7 to 8 V to break away.
     pub fn new(rig: &Rig, settings: &Settings<f64>) -> Self {
         let scale = |counts: u32, rest: f64| {
             let angle_per_count = core::f64::consts::TAU / f64::from(counts);

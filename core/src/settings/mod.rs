@@ -14,8 +14,6 @@ mod declare;
 mod leaves;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-
 pub use leaves::{Build, Fixed, Leaves};
 
 use crate::allocation::{AllocationSettings, CurrentLimitSettings};
