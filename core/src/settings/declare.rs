@@ -172,11 +172,11 @@ macro_rules! settings_range {
         $crate::settings::Range::Switch
     };
     (($least:literal to $most:literal)) => {
-        $crate::settings::Range::Between(&$crate::settings::Interval {
-            least: $least as f64,
-            most: $most as f64,
-            text: concat!($least, " to ", $most),
-        })
+        $crate::settings::Range::Between(
+            &const {
+                $crate::settings::Interval::new($least as f64, $most as f64, concat!($least, " to ", $most))
+            },
+        )
     };
     (@text (finite)) => {
         "any"

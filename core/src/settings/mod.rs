@@ -68,6 +68,24 @@ pub struct Interval {
     pub most: f64,
     /// Both in words, such as `0.1 to 10`.
     pub text: &'static str,
+    /// Both in tenths: a board, which has no arithmetic of `f64`, makes them from integers.
+    tenths: [i32; 2],
+}
+
+impl Interval {
+    /// Bounds that are whole tenths.
+    #[expect(clippy::cast_possible_truncation, reason = "anything but whole tenths does not compile")]
+    #[expect(clippy::float_cmp, reason = "the bounds are to be met exactly")]
+    pub(crate) const fn new(least: f64, most: f64, text: &'static str) -> Self {
+        let tenths = [(least * 10.0) as i32, (most * 10.0) as i32];
+        let [low, high] = tenths;
+        assert!(low as f64 / 10.0 == least && high as f64 / 10.0 == most);
+        Self { least, most, text, tenths }
+    }
+
+    fn bounds<R: Real>(&self) -> [R; 2] {
+        self.tenths.map(|tenths| R::from_i32(tenths) / R::from_i32(10))
+    }
 }
 
 impl Range {
@@ -109,7 +127,10 @@ impl Range {
                 Self::Finite => true,
                 Self::AtLeastZero => zero.le(value),
                 Self::AboveZero => zero.lt(value),
-                Self::Between(i) => R::from_f64(i.least).le(value) && value.le(R::from_f64(i.most)),
+                Self::Between(interval) => {
+                    let [least, most] = interval.bounds::<R>();
+                    least.le(value) && value.le(most)
+                }
                 Self::Switch => value == zero || value == R::one(),
             }
     }
