@@ -50,6 +50,10 @@ impl<R: Copy> Gains<R> {
 
 impl<R: Real<Mask = bool>> Gains<R> {
     /// Every gain finite and above zero, as the law's stability proof asks.
+    ///
+    /// # Errors
+    ///
+    /// The first gain that cannot be.
     pub fn validate(&self) -> Result<(), Invalid<R>> {
         NAMES.into_iter().zip(self.to_paper_order()).try_for_each(|(name, value)| positive(name, value))
     }

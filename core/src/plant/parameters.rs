@@ -143,6 +143,10 @@ impl<R: Real> PlantParameters<R> {
 impl PlantParameters<f64> {
     /// Every constant finite and physical. Masses, inertias and the determinant of K must not vanish; what
     /// may be left out may be zero.
+    ///
+    /// # Errors
+    ///
+    /// The first constant that cannot be.
     pub fn validate(&self) -> Result<(), Invalid> {
         positive("mass", self.mass)?;
         finite("center_of_mass", self.center_of_mass)?;
@@ -184,6 +188,10 @@ impl Effectiveness<f64> {
 
     /// Can every torque be had from some volts? |det K| must be at least a thousandth of what its two
     /// products would give if they did not cancel; otherwise V = K⁻¹ U asks for a thousand times the volts.
+    ///
+    /// # Errors
+    ///
+    /// If it has none: which constant, and what is allowed.
     pub fn validate_inverse(&self) -> Result<(), Invalid> {
         let scale =
             (self.main_on_pitch * self.tail_on_yaw).abs() + (self.tail_on_pitch * self.main_on_yaw).abs();

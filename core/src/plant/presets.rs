@@ -234,6 +234,10 @@ pub const ALL: [(&str, Rig); 6] = [
 
 impl Rig {
     /// Every number finite and usable; the thrust gains can be inverted.
+    ///
+    /// # Errors
+    ///
+    /// The first number that cannot be.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.plant.validate()?;
         not_negative("nominal_volts", self.nominal_volts)?;

@@ -91,6 +91,10 @@ fn section(text: &mut String, number: usize, s: &Section) -> Outcome<()> {
 
 impl Report {
     /// As one self-contained page.
+    ///
+    /// # Errors
+    ///
+    /// If a figure cannot be drawn.
     pub fn to_html(&self) -> Outcome<String> {
         let mut text = format!(
             "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width,initial-scale=1\">\

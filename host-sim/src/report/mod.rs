@@ -131,6 +131,10 @@ pub struct Report {
 
 impl Report {
     /// Computes all of it. `seen` is told what comes next.
+    ///
+    /// # Errors
+    ///
+    /// If a flight of the paper diverges.
     pub fn compute(size: Size, seed: u64, seen: &dyn Fn(&str)) -> Outcome<Self> {
         let mut sections = Vec::new();
         seen("searching with every method");
@@ -153,6 +157,10 @@ impl Report {
     }
 
     /// Writes `index.html`, `report.json`, `statements.csv` and a CSV file for each figure into `folder`.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be written or a figure drawn.
     pub fn write(&self, folder: &Path) -> Outcome<()> {
         output::write(&folder.join("index.html"), self.to_html()?.as_bytes())?;
         let json = serde_json::to_string_pretty(&self.document()).expect("plain data");
@@ -210,6 +218,10 @@ struct SectionDocument {
 }
 
 /// Makes the folder if it is not there.
+///
+/// # Errors
+///
+/// If it cannot be made, or is a file.
 pub fn prepare(folder: &Path) -> Outcome<()> {
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::Input(format!(

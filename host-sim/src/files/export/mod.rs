@@ -35,6 +35,10 @@ fn extension(path: &Path) -> Option<&str> {
 
 /// Refuses, before any work is done, a path that could not be written or whose extension says nothing. Only
 /// what has a time can be a `.mcap`.
+///
+/// # Errors
+///
+/// If it could not be written, or is no such name.
 pub fn check(flag: &str, path: &Path, timed: bool) -> Outcome<()> {
     match extension(path) {
         Some("mcap") if !timed => {}
@@ -88,6 +92,10 @@ impl Table {
     }
 
     /// Writes it in the format that the path's extension names, which [`check`] has approved.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
     pub fn write(&self, path: &Path) -> Outcome<()> {
         let bytes = match extension(path) {
             #[cfg(feature = "formats")]
