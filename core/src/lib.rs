@@ -21,7 +21,8 @@
 //!
 //! 1. [`encoder`]: counter readings to angles.
 //! 2. [`estimator`]: angles to angles, rates and disturbances, with the rotors as [`rotor_model`] has them.
-//! 4. [`mod@reference`]: what is wanted to a reference with derivatives, shaped by [`command_filter`].
+//! 4. [`mod@reference`]: what is wanted to a reference with derivatives, kept by [`governor`] within what the
+//!    motors can follow and hold ([`static_reach`]) and shaped by [`command_filter`].
 //! 5. [`law`]: both to the torque on each axis, eqs (26)-(27).
 //! 6. [`allocation`]: torque to motor volts, eqs (28)-(29), within limits, after [`lead`] against rotor lag.
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers.
@@ -79,8 +80,10 @@ pub mod supervisor;
 pub mod telemetry;
 
 pub mod control_loop;
+pub mod governor;
 pub mod pipeline;
 pub mod replay;
+pub mod static_reach;
 
 pub mod defaults;
 pub mod link;
