@@ -44,6 +44,11 @@ impl<R: Real> Tick<R> {
 pub trait ClosedLoop<R: Real> {
     /// One tick with `disturbance` \[V\] added to the volts in effect.
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
+
+    /// What the supervisor says after the last tick; `None` where none watches.
+    fn arm_state(&self) -> Option<ArmState> {
+        None
+    }
 }
 
 /// The paper's world: the state is known, rotors answer at once, volts are held for a tick; nothing is
@@ -234,7 +239,7 @@ impl BoardLoop {
     /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that
     /// for good.
     pub fn is_armed(&self) -> bool {
-        self.control.state() == twinrotor::supervisor::ArmState::Armed
+        self.control.state() == ArmState::Armed
     }
 
     /// The board's tick; the plant stands still.
@@ -274,5 +279,9 @@ impl ClosedLoop<f32> for BoardLoop {
         self.latched = self.drive.volts(outputs.duty, self.supply);
         self.plant.advance(applied, disturbance);
         Tick { state, setpoint: reference.angle, decision: *self.control.decision(), applied }
+    }
+
+    fn arm_state(&self) -> Option<ArmState> {
+        Some(self.control.state())
     }
 }

@@ -2,10 +2,10 @@
 
 use super::common::{Common, pair};
 use super::{print, print_json, tables};
-use crate::error::{Outcome, at_least};
+use crate::error::{Failure, Outcome, at_least};
 use crate::export::{self, Table};
 use crate::figures;
-use crate::flight::{self, Fidelity, Plan, Scalar};
+use crate::flight::{self, BoardState, Fidelity, Moment, Plan, Scalar};
 use crate::gains_file::{Controller, GainsFile};
 use crate::metrics::Report;
 use crate::output;
@@ -14,6 +14,8 @@ use crate::scenario::{Disturbance, Scenario};
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::axes::PerAxis;
+use twinrotor::pipeline::Settings;
+use twinrotor::static_reach::StaticReach;
 
 /// Flags of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -73,6 +75,9 @@ struct Document<'a> {
     gains: &'a GainsFile,
     #[serde(flatten)]
     report: Report,
+    board: Option<BoardState>,
+    left_envelope: Option<Moment>,
+    cannot_hold: Option<String>,
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
@@ -112,8 +117,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.plot {
         figures::flight(&title, &flown, settings.volts_limit).write(path)?;
     }
+    let cannot_hold = cannot_hold(&settings, &scenario);
     if args.common.json {
-        return print_json(&Document {
+        print_json(&Document {
             preset: &named.name,
             scenario: &scenario.name,
             fidelity: args.fidelity,
@@ -122,9 +128,34 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             duration_s: scenario.duration,
             gains: &gains,
             report: flown.report,
-        });
+            board: flown.board,
+            left_envelope: flown.left_envelope,
+            cannot_hold,
+        })?;
+    } else {
+        let note = cannot_hold.map_or_else(String::new, |told| format!("warning: {told}\n"));
+        print(&format!("{title}\n{}{}{note}", tables::report(&flown.report), board(flown.board)))?;
     }
-    print(&format!("{title}\n{}", tables::report(&flown.report)))
+    flown.stopped().map_or(Ok(()), |why| Err(Failure::Flight(why)))
+}
+
+/// The board's state in a line; nothing where no board flew.
+fn board(state: Option<BoardState>) -> String {
+    match state {
+        None => String::new(),
+        Some(BoardState { condition: Some(condition), since: Some(since), .. }) => {
+            format!("board: motors cut at {:.3} s (tick {}): {condition:?}\n", since.time, since.tick)
+        }
+        Some(BoardState { state, .. }) => format!("board: {state} to the end\n"),
+    }
+}
+
+/// What a scenario asks for that the motors cannot hold, in words.
+fn cannot_hold(settings: &Settings<f64>, scenario: &Scenario) -> Option<String> {
+    let reach = StaticReach::new(settings);
+    let pitches = scenario.references::<f64>().into_iter().map(|reference| reference.angle.pitch);
+    let (low, high) = pitches.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+    [low, high].into_iter().find_map(|pitch| reach.can_hold(pitch).err()).map(|told| told.to_string())
 }
 
 fn scenario(args: &Args) -> Outcome<Scenario> {
