@@ -24,7 +24,8 @@
 //! 3. [`monitor`] finds what is wrong; [`supervisor`] decides from it and from the operator's request whether
 //!    the motors may turn.
 //! 4. [`mod@reference`]: where to be. [`approach`] leads from the rest pose to the operator's setpoint after
-//!    arming; [`command_filter`] shapes what is left of jumps into derivatives that belong together.
+//!    arming; [`governor`] keeps it within what the motors can follow and hold ([`static_reach`]);
+//!    [`command_filter`] shapes what is left of jumps into derivatives that belong together.
 //! 5. [`law`]: both to the torque on each axis, eqs (26)-(27).
 //! 6. [`allocation`]: torque, after [`lead`] against rotor lag, to motor volts within limits, eqs (28)-(29).
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers.
@@ -121,7 +122,9 @@ pub mod supervisor;
 
 pub mod approach;
 pub mod command_filter;
+pub mod governor;
 pub mod reference;
+pub mod static_reach;
 
 pub mod law;
 

@@ -7,6 +7,7 @@ use crate::command_filter::CommandFilter;
 use crate::controller::ControllerSettings;
 use crate::estimator::{Belief, Estimate, Estimator};
 use crate::gains::Gains;
+use crate::governor::{Governor, Leave};
 use crate::law::{ControlLaw, Law, Situation};
 use crate::lead::Lead;
 use crate::plant::presets::Rig;
@@ -105,7 +106,7 @@ pub struct Pipeline<R> {
     /// Where anything needs to know which volts are in effect.
     rotors: Option<RotorModel<R>>,
     estimator: Estimator<R>,
-    filter: Option<CommandFilter<R>>,
+    reference: Option<(Governor<R>, CommandFilter<R>)>,
     law: Law<R>,
     cancellation: Option<PerAxis<R>>,
     lead: Option<Lead<R>>,
@@ -149,7 +150,9 @@ impl<R: Real> Pipeline<R> {
                 angle,
                 sample_time,
             ),
-            filter: controller.filter.map(|filter| CommandFilter::new(&filter, angle, sample_time)),
+            reference: controller.filter.map(|filter| {
+                (Governor::new(settings, &filter), CommandFilter::new(&filter, angle, sample_time))
+            }),
             law: Law::new(&controller.law, effectiveness, sample_time),
             cancellation: controller.cancellation,
             lead: controller.lead,
@@ -176,7 +179,8 @@ impl<R: Real> Pipeline<R> {
     /// rotors which turn still do, and motors which are warm still are.
     pub fn restart(&mut self, angle: PerAxis<R>) {
         self.estimator.restart(angle);
-        if let Some(filter) = &mut self.filter {
+        if let Some((governor, filter)) = &mut self.reference {
+            governor.restart();
             filter.restart(angle);
         }
         self.law.restart();
@@ -198,8 +202,9 @@ impl<R: Real> Pipeline<R> {
         if own.estimator == others.estimator {
             self.estimator = from.estimator;
         }
-        if let (Some(to), Some(from)) = (&mut self.filter, &from.filter) {
-            to.continue_from(from);
+        if let (Some((governor, filter)), Some(from)) = (&mut self.reference, &from.reference) {
+            governor.continue_from(&from.0);
+            filter.continue_from(&from.1);
         }
         if own.law == others.law {
             self.law = from.law;
@@ -229,9 +234,14 @@ impl<R: Real> Pipeline<R> {
     /// The second half of a tick: what to do about it.
     #[inline(always)]
     pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Decision<R> {
-        let reference = *match &mut self.filter {
-            None => setpoint,
-            Some(filter) => filter.step(setpoint),
+        let reference = match &mut self.reference {
+            None => *setpoint,
+            Some((governor, filter)) => {
+                let leave = Leave::new(self.current_limit.as_ref());
+                let wanted = governor.govern(setpoint, &leave);
+                let asked = filter.step(&wanted, governor.reach(&leave));
+                governor.within(asked, belief.estimate.state.angle, &leave)
+            }
         };
         let now = Situation::new(&self.model, belief, reference);
         let torque = self.law.torque(&now);

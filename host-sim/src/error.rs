@@ -12,6 +12,8 @@ pub enum Failure {
     Input(String),
     /// The run itself failed: disk full, board not answering. Exit status 1.
     Run(String),
+    /// The flight left the envelope or a fault stopped it; what was flown is reported. Exit status 3.
+    Flight(String),
     /// Ctrl-C; the best so far is written. Exit status 130.
     Interrupted,
 }
@@ -49,6 +51,7 @@ impl Failure {
         match self {
             Self::Run(_) => 1,
             Self::Input(_) => 2,
+            Self::Flight(_) => 3,
             Self::Interrupted => 130,
         }
     }
@@ -63,7 +66,7 @@ impl From<Error> for Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Input(message) | Self::Run(message) => f.write_str(message),
+            Self::Input(message) | Self::Run(message) | Self::Flight(message) => f.write_str(message),
             Self::Interrupted => f.write_str("interrupted; the best so far is kept"),
         }
     }

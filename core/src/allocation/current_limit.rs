@@ -84,6 +84,12 @@ impl<R: Real> CurrentLimit<R> {
         self.heat = self.heat.zip(current, |heat, i| heat + self.share * (i * i - heat));
     }
 
+    /// \[-\] Heat of the warmer motor, as a share of what the continuous limit allows.
+    #[inline(always)]
+    pub fn load(&self) -> R {
+        self.heat.main.max(self.heat.tail) * self.per_continuous_square
+    }
+
     /// The volts that are allowed now, within ±`limit`, with `in_effect` at the moment they begin to act.
     #[inline(always)]
     pub fn range(&self, in_effect: PerMotor<R>, limit: PerMotor<R>) -> VoltsRange<R> {

@@ -39,6 +39,15 @@ impl<R: Real> Effectiveness<R> {
         }
     }
 
+    /// \[V\] The volts that give `torque` \[N m\], V = K⁻¹ U; K can be inverted.
+    pub fn volts(&self, torque: PerAxis<R>) -> PerMotor<R> {
+        let determinant = self.determinant();
+        PerMotor {
+            main: (self.tail_on_yaw * torque.pitch - self.tail_on_pitch * torque.yaw) / determinant,
+            tail: (self.main_on_pitch * torque.yaw - self.main_on_yaw * torque.pitch) / determinant,
+        }
+    }
+
     /// det K.
     #[inline(always)]
     pub fn determinant(&self) -> R {

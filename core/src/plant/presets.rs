@@ -3,7 +3,7 @@
 //! Published constants of these machines differ by factors, so each preset says whose they are. Gains do not
 //! carry from one to another.
 
-use super::{Effectiveness, PlantParameters};
+use super::{Effectiveness, PlantParameters, State};
 use crate::DEGREE;
 use crate::axes::{PerAxis, PerMotor};
 use crate::validate::{Invalid, finite, not_negative, positive, require};
@@ -64,6 +64,16 @@ pub struct Envelope {
     pub pitch: f64,
     /// \[rad/s\] Largest rate about each axis.
     pub rate: PerAxis<f64>,
+}
+
+impl Envelope {
+    /// Is this state within it?
+    pub fn holds(&self, state: &State<f64>) -> bool {
+        let rate = state.rate;
+        state.angle.pitch.abs() <= self.pitch
+            && rate.pitch.abs() <= self.rate.pitch
+            && rate.yaw.abs() <= self.rate.yaw
+    }
 }
 
 /// A brushed DC motor that turns a rotor.

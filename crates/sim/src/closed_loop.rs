@@ -48,6 +48,11 @@ impl<R: Real> Tick<R> {
 pub trait ClosedLoop<R: Real> {
     /// One tick with `disturbance` \[V\] added to the volts in effect.
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
+
+    /// What the supervisor says after the last tick; `None` where none watches.
+    fn arm_state(&self) -> Option<ArmState> {
+        None
+    }
 }
 
 /// The paper's world: the state is known, rotors answer at once, volts are held for a tick; nothing is
@@ -210,5 +215,9 @@ impl ClosedLoop<f32> for BoardLoop {
         self.bench.disturbance = disturbance;
         let applied = self.bench.tick(outputs.duty, outputs.enable);
         Tick { state, setpoint: reference.angle, decision: *self.control.decision(), applied }
+    }
+
+    fn arm_state(&self) -> Option<ArmState> {
+        Some(self.control.state())
     }
 }

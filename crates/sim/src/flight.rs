@@ -13,6 +13,7 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
+use twinrotor::supervisor::{ArmState, Condition};
 
 /// Which world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,6 +77,56 @@ pub struct Flight {
     pub rows: Vec<Row>,
     /// In numbers.
     pub report: Report,
+    /// What the board's supervisor made of it, where the board's loop flew.
+    pub board: Option<BoardState>,
+    /// The first moment outside the rig's envelope.
+    pub left_envelope: Option<Moment>,
+}
+
+/// A tick of a flight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Moment {
+    /// Counted from 0.
+    pub tick: u32,
+    /// \[s\]
+    pub time: f64,
+}
+
+impl Moment {
+    fn of(tick: u32) -> Self {
+        Self { tick, time: f64::from(tick) * SAMPLE_TIME }
+    }
+}
+
+/// The supervisor's state at the end of a flight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BoardState {
+    /// `armed` or `fault`.
+    pub state: &'static str,
+    /// What the motors were cut for.
+    pub condition: Option<Condition>,
+    /// When they were.
+    #[serde(flatten)]
+    pub since: Option<Moment>,
+}
+
+impl BoardState {
+    const ARMED: Self = Self { state: "armed", condition: None, since: None };
+
+    fn cut(condition: Condition, tick: u32) -> Self {
+        Self { state: "fault", condition: Some(condition), since: Some(Moment::of(tick)) }
+    }
+}
+
+impl Flight {
+    /// Why this flight was none, in one line.
+    pub fn stopped(&self) -> Option<String> {
+        if let Some(BoardState { condition: Some(condition), since: Some(since), .. }) = self.board {
+            return Some(format!("the board cut the motors after {:.3} s: {condition:?}", since.time));
+        }
+        let left = self.left_envelope?;
+        Some(format!("the rig left its envelope after {:.3} s", left.time))
+    }
 }
 
 /// Flies a plan.
@@ -140,6 +191,8 @@ where
     let limit = plan.settings.volts_limit.cast();
     let mut metrics = Metrics::new(plan.scenario.last_tick(), steps, limit);
     let mut rows = Vec::with_capacity(references.len());
+    let mut board = closed_loop.arm_state().map(|_| BoardState::ARMED);
+    let mut left_envelope = None;
     for (tick, (reference, disturbance)) in (0_u32..).zip(references.iter().zip(&disturbances)) {
         let happened = closed_loop.tick(reference, *disturbance);
         let row = row(tick, &happened, *disturbance);
@@ -147,10 +200,18 @@ where
         if !(pitch.abs() < DIVERGED && yaw.abs() < DIVERGED) {
             return Err(Error::Failed(format!("the loop diverged {:.3} s after the start", row.time)));
         }
+        if let (Some(ArmState::Fault(cause)), Some(BoardState { condition: None, .. })) =
+            (closed_loop.arm_state(), board)
+        {
+            board = Some(BoardState::cut(cause, tick));
+        }
+        if left_envelope.is_none() && !plan.rig.envelope.holds(&row.state) {
+            left_envelope = Some(Moment::of(tick));
+        }
         metrics.add(tick, &happened);
         rows.push(row);
     }
-    Ok(Flight { rows, report: metrics.report(0, SAMPLE_TIME) })
+    Ok(Flight { rows, report: metrics.report(0, SAMPLE_TIME), board, left_envelope })
 }
 
 /// \[rad\] An angle beyond which there is nothing left to control: a hundred turns.

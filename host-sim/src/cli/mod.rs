@@ -1,7 +1,8 @@
 //! The command line: flags as typed, resolved into what the library takes; exit status decided here and
 //! nowhere else.
 //!
-//! 0 done; 1 the run failed; 2 bad input, told in one line; 130 after Ctrl-C, with the best so far written.
+//! 0 done; 1 the run failed; 2 bad input, told in one line; 3 the flight left the
+//! envelope or a fault stopped it; 130 after Ctrl-C, with the best so far written.
 
 mod bench;
 mod bench_tuners;

@@ -13,9 +13,11 @@ use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::axes::PerAxis;
 use twinrotor::law::LawSettings;
+use twinrotor::pipeline::Settings;
+use twinrotor::static_reach::StaticReach;
 use twinrotor_plot::flight::flight as flight_figure;
 use twinrotor_sim::error::at_least;
-use twinrotor_sim::flight::{self, Fidelity, Plan, Scalar};
+use twinrotor_sim::flight::{self, BoardState, Fidelity, Moment, Plan, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Report;
 use twinrotor_sim::scenario::{Disturbance, Scenario};
@@ -84,6 +86,9 @@ struct Document<'a> {
     gains: &'a GainsFile,
     #[serde(flatten)]
     report: Report,
+    board: Option<BoardState>,
+    left_envelope: Option<Moment>,
+    cannot_hold: Option<String>,
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
@@ -130,8 +135,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.plot {
         figure::write(&flight_figure(&title, &flown, settings.volts_limit), path)?;
     }
+    let cannot_hold = cannot_hold(&settings, &scenario);
     if args.common.json {
-        return print_json(&Document {
+        print_json(&Document {
             preset: &named.name,
             scenario: &scenario.name,
             fidelity: args.fidelity.into(),
@@ -140,9 +146,34 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             duration_s: scenario.duration,
             gains: &gains,
             report: flown.report,
-        });
+            board: flown.board,
+            left_envelope: flown.left_envelope,
+            cannot_hold,
+        })?;
+    } else {
+        let note = cannot_hold.map_or_else(String::new, |told| format!("warning: {told}\n"));
+        print(&format!("{title}\n{}{}{note}", flown.report, board(flown.board)))?;
     }
-    print(&format!("{title}\n{}", flown.report))
+    flown.stopped().map_or(Ok(()), |why| Err(Failure::Flight(why)))
+}
+
+/// The board's state in a line; nothing where no board flew.
+fn board(state: Option<BoardState>) -> String {
+    match state {
+        None => String::new(),
+        Some(BoardState { condition: Some(condition), since: Some(since), .. }) => {
+            format!("board: motors cut at {:.3} s (tick {}): {condition:?}\n", since.time, since.tick)
+        }
+        Some(BoardState { state, .. }) => format!("board: {state} to the end\n"),
+    }
+}
+
+/// What a scenario asks for that the motors cannot hold, in words.
+fn cannot_hold(settings: &Settings<f64>, scenario: &Scenario) -> Option<String> {
+    let reach = StaticReach::new(settings);
+    let pitches = scenario.references::<f64>().into_iter().map(|reference| reference.angle.pitch);
+    let (low, high) = pitches.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+    [low, high].into_iter().find_map(|pitch| reach.can_hold(pitch).err()).map(|told| told.to_string())
 }
 
 fn scenario(args: &Args) -> Outcome<Scenario> {

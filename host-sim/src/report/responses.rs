@@ -24,6 +24,8 @@ fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure 
     let shown = Flight {
         rows: flight.rows.iter().copied().step_by(thin).filter(|r| r.time <= until).collect(),
         report: flight.report,
+        board: flight.board,
+        left_envelope: flight.left_envelope,
     };
     let whole = flight_figure(title, &shown, PAPER.volts_limit);
     Figure { panels: wanted.iter().map(|k| whole.panels[*k].clone()).collect(), ..whole }
