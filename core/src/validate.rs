@@ -30,18 +30,6 @@ pub(crate) fn positive<R: Real<Mask = bool>>(field: &'static str, value: R) -> R
     require(field, value, R::zero().lt(value), "a finite number above 0")
 }
 
-/// Requires a finite number of at least zero.
-#[inline(never)]
-pub(crate) fn not_negative<R: Real<Mask = bool>>(field: &'static str, value: R) -> Result<(), Invalid<R>> {
-    require(field, value, R::zero().le(value), "a finite number of at least 0")
-}
-
-/// Requires a finite number.
-#[inline(never)]
-pub(crate) fn finite<R: Real<Mask = bool>>(field: &'static str, value: R) -> Result<(), Invalid<R>> {
-    require(field, value, true, "a finite number")
-}
-
 /// Requires a finite number for which `holds`.
 #[inline(never)]
 pub(crate) fn require<R: Real<Mask = bool>>(

@@ -5,6 +5,7 @@
 
 mod body;
 mod parameters;
+pub mod plausible;
 pub mod presets;
 mod rotors;
 
