@@ -182,28 +182,43 @@ impl Parameters {
         not_negative("model.rotor_time_constant.tail", s.model.rotor_time_constant.tail)?;
         let invertible = (1.0 / s.effectiveness.determinant()).is_finite();
         require(invertible, "effectiveness", "a matrix with a determinant other than 0")?;
-        positive("volts_limit.main", s.volts_limit.main)?;
-        positive("volts_limit.tail", s.volts_limit.tail)?;
+        for (field, volts) in
+            [("volts_limit.main", s.volts_limit.main), ("volts_limit.tail", s.volts_limit.tail)]
+        {
+            require(volts > 0.0 && volts <= MOST_VOLTS, field, "above 0, at most 60 V")?;
+        }
         let in_range = |e: Invalid<f32>| ParameterError::Range { field: e.field, allowed: e.allowed };
         s.current_limit.map_or(Ok(()), |limit| limit.validate()).map_err(in_range)?;
         s.controller.validate().map_err(in_range)?;
-        positive("encoders.pitch.angle_per_count", self.encoders.pitch.angle_per_count)?;
-        positive("encoders.yaw.angle_per_count", self.encoders.yaw.angle_per_count)?;
+        for (field, encoder) in [
+            ("encoders.pitch.angle_per_count", self.encoders.pitch),
+            ("encoders.yaw.angle_per_count", self.encoders.yaw),
+        ] {
+            let angle = encoder.angle_per_count;
+            require(angle > 6e-6 && angle < 0.4, field, "6e-6 to 0.4 rad, 16 to 1000000 counts a turn")?;
+        }
         self.limits.validate(s.volts_limit)
     }
 }
+
+/// \[V\] and \[rad/s\]: what [`plausible`](crate::plant::plausible) has as the most of any rig.
+const MOST_VOLTS: f32 = 60.0;
+const MOST_RATE: f32 = 30.0;
 
 impl Limits {
     fn validate(&self, volts_limit: PerMotor<f32>) -> Result<(), ParameterError> {
         let right_angle = core::f32::consts::FRAC_PI_2;
         require(self.pitch > 0.0 && self.pitch <= right_angle, "limits.pitch", "above 0, at most pi/2 rad")?;
-        positive("limits.rate.pitch", self.rate.pitch)?;
-        positive("limits.rate.yaw", self.rate.yaw)?;
+        // Beyond these a monitor would never trip.
+        for (field, rate) in [("limits.rate.pitch", self.rate.pitch), ("limits.rate.yaw", self.rate.yaw)] {
+            require(rate > 0.0 && rate <= MOST_RATE, field, "above 0, at most 30 rad/s")?;
+        }
         positive("limits.supply_low", self.supply_low)?;
-        let supply = self.supply_high.is_finite() && self.supply_low < self.supply_high;
-        require(supply, "limits.supply_high", "above limits.supply_low")?;
+        let supply = self.supply_high <= 1.25 * MOST_VOLTS && self.supply_low < self.supply_high;
+        require(supply, "limits.supply_high", "above limits.supply_low, at most 75 V")?;
         require((1..=60_000).contains(&self.command_timeout), "limits.command_timeout", "1 to 60000 ticks")?;
-        positive("limits.approach_rate", self.approach_rate)?;
+        let approach = self.approach_rate > 0.0 && self.approach_rate <= MOST_RATE;
+        require(approach, "limits.approach_rate", "above 0, at most 30 rad/s")?;
         let volts = |push: Push, limit| push.volts > 0.0 && push.volts <= limit;
         let allowed = self.check.zip(volts_limit, volts);
         require(allowed.main, "limits.check.main.volts", "above 0, at most volts_limit.main")?;
