@@ -189,7 +189,7 @@ fn gain(p: &mut Parameters) -> &mut Gains<f32> {
 #[test]
 fn a_value_out_of_range_is_named() {
     type Spoil = fn(&mut Parameters);
-    let cases: [(&str, Spoil); 18] = [
+    let cases: [(&str, Spoil); 19] = [
         ("settings", |p| gain(p).pitch.rate = f32::NAN),
         ("settings", |p| p.settings.model.damping.yaw = f32::INFINITY),
         ("sample_time", |p| p.settings.sample_time = 2e-3),
