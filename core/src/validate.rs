@@ -37,12 +37,6 @@ pub(crate) fn not_negative<R: Real<Mask = bool>>(field: &'static str, value: R) 
     require(field, value, R::zero().le(value), "a finite number of at least 0")
 }
 
-/// Requires a finite number.
-#[inline(never)]
-pub(crate) fn finite<R: Real<Mask = bool>>(field: &'static str, value: R) -> Result<(), Invalid<R>> {
-    require(field, value, true, "a finite number")
-}
-
 /// Requires a finite number for which `holds`.
 #[inline(never)]
 pub(crate) fn require<R: Real<Mask = bool>>(

@@ -283,24 +283,37 @@ impl Parameters {
         let determinant = s.effectiveness.determinant();
         let invertible = (1.0 / determinant).is_finite();
         require("effectiveness", determinant, invertible, "a matrix with a determinant other than 0")?;
-        positive("volts_limit.main", s.volts_limit.main)?;
-        positive("volts_limit.tail", s.volts_limit.tail)?;
+        for (field, volts) in
+            [("volts_limit.main", s.volts_limit.main), ("volts_limit.tail", s.volts_limit.tail)]
+        {
+            require(field, volts, volts > 0.0 && volts <= MOST_VOLTS, "above 0, at most 60 V")?;
+        }
         s.current_limit.map_or(Ok(()), |limit| limit.validate())?;
         s.controller.validate()?;
-        let scale = self.encoders.map(|encoder| encoder.angle_per_count);
-        both(["encoders.pitch.angle_per_count", "encoders.yaw.angle_per_count"], scale, positive)?;
+        let scale = |field, angle| {
+            require(field, angle, angle > 6e-6 && angle < 0.4, "6e-6 to 0.4 rad, 16 to 1000000 counts a turn")
+        };
+        let counts = self.encoders.map(|encoder| encoder.angle_per_count);
+        both(["encoders.pitch.angle_per_count", "encoders.yaw.angle_per_count"], counts, scale)?;
         self.limits.check_ranges(s.volts_limit)
     }
 }
+
+/// \[V\] and \[rad/s\]: what [`plausible`](crate::plant::plausible) has as the most of any rig.
+const MOST_VOLTS: f32 = 60.0;
+const MOST_RATE: f32 = 30.0;
 
 impl Limits {
     fn check_ranges(&self, volts_limit: PerMotor<f32>) -> Result<(), Invalid<f32>> {
         let pitch = self.pitch > 0.0 && self.pitch <= core::f32::consts::FRAC_PI_2;
         require("limits.pitch", self.pitch, pitch, "above 0, at most pi/2 rad")?;
-        both(["limits.rate.pitch", "limits.rate.yaw"], self.rate, positive)?;
+        // Beyond these a monitor would never trip.
+        let rate =
+            |field, rate| require(field, rate, rate > 0.0 && rate <= MOST_RATE, "above 0, at most 30 rad/s");
+        both(["limits.rate.pitch", "limits.rate.yaw"], self.rate, rate)?;
         positive("limits.supply_low", self.supply_low)?;
-        let above = self.supply_low < self.supply_high;
-        require("limits.supply_high", self.supply_high, above, "above limits.supply_low")?;
+        let above = self.supply_low < self.supply_high && self.supply_high <= 1.25 * MOST_VOLTS;
+        require("limits.supply_high", self.supply_high, above, "above limits.supply_low, at most 75 V")?;
         let ticks = |field, ticks: u32| {
             #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
             require(field, ticks as f32, (1..=60_000).contains(&ticks), "1 to 60000 ticks")
@@ -308,7 +321,7 @@ impl Limits {
         ticks("limits.command_timeout", self.command_timeout)?;
         let hold = if let LostLink::Hold { ticks } = self.lost_link { ticks } else { 1 };
         ticks("limits.lost_link.ticks", hold)?;
-        positive("limits.approach_rate", self.approach_rate)?;
+        rate("limits.approach_rate", self.approach_rate)?;
         let volts = |field, push: Push, limit, allowed| {
             require(field, push.volts, push.volts > 0.0 && push.volts <= limit, allowed)
         };

@@ -189,7 +189,7 @@ fn gain(p: &mut Parameters) -> &mut Gains<f32> {
 #[test]
 fn a_value_out_of_range_is_named() {
     type Spoil = fn(&mut Parameters);
-    let cases: [(&str, Spoil); 13] = [
+    let cases: [(&str, Spoil); 19] = [
         ("settings", |p| gain(p).pitch.rate = f32::NAN),
         ("settings", |p| p.settings.model.damping.yaw = f32::INFINITY),
         ("sample_time", |p| p.settings.sample_time = 2e-3),
@@ -200,6 +200,12 @@ fn a_value_out_of_range_is_named() {
         ("encoders.yaw.angle_per_count", |p| p.encoders.yaw.angle_per_count = 0.0),
         ("limits.pitch", |p| p.limits.pitch = 1.6),
         ("limits.supply_high", |p| p.limits.supply_high = p.limits.supply_low),
+        ("limits.supply_high", |p| p.limits.supply_high = 22_500.0),
+        ("limits.rate.yaw", |p| p.limits.rate.yaw = 573.0),
+        ("limits.rate.pitch", |p| p.limits.rate.pitch = 1e30),
+        ("limits.approach_rate", |p| p.limits.approach_rate = 573.0),
+        ("encoders.yaw.angle_per_count", |p| p.encoders.yaw.angle_per_count = 1e-30),
+        ("encoders.pitch.angle_per_count", |p| p.encoders.pitch.angle_per_count = 1.0),
         ("limits.command_timeout", |p| p.limits.command_timeout = 0),
         ("limits.check.main.volts", |p| p.limits.check.main.volts = 25.0),
         ("limits.check.tail.motion", |p| p.limits.check.tail.motion = PerAxis::zero()),

@@ -6,6 +6,7 @@
 mod body;
 mod lag;
 mod parameters;
+pub mod plausible;
 pub mod presets;
 mod rotors;
 

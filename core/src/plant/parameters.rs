@@ -2,7 +2,7 @@
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::real::Real;
-use crate::validate::{Invalid, finite, not_negative, positive, require};
+use crate::validate::{Invalid, require};
 use serde::{Deserialize, Serialize};
 
 /// Torque on each axis for a volt (or a volt squared) on each motor: the matrix K of eqs (5)-(6).
@@ -149,51 +149,7 @@ impl<R: Real> PlantParameters<R> {
     }
 }
 
-impl PlantParameters<f64> {
-    /// Every constant finite and physical. Masses, inertias and the determinant of K must not vanish; what
-    /// may be left out may be zero.
-    ///
-    /// # Errors
-    /// Names the first field that is not.
-    pub fn validate(&self) -> Result<(), Invalid> {
-        positive("mass", self.mass)?;
-        finite("center_of_mass", self.center_of_mass)?;
-        not_negative("gravity", self.gravity)?;
-        positive("inertia.pitch", self.inertia.pitch)?;
-        positive("inertia.yaw", self.inertia.yaw)?;
-        not_negative("damping.pitch", self.damping.pitch)?;
-        not_negative("damping.yaw", self.damping.yaw)?;
-        not_negative("stiffness", self.stiffness)?;
-        self.effectiveness.validate(&EFFECTIVENESS_NAMES)?;
-        self.quadratic_effectiveness.validate(&QUADRATIC_NAMES)?;
-        not_negative("rotor_time_constant.main", self.rotor_time_constant.main)?;
-        not_negative("rotor_time_constant.tail", self.rotor_time_constant.tail)?;
-        finite("rotor_reaction.main", self.rotor_reaction.main)?;
-        finite("rotor_reaction.tail", self.rotor_reaction.tail)?;
-        not_negative("coulomb_friction.pitch", self.coulomb_friction.pitch)?;
-        not_negative("coulomb_friction.yaw", self.coulomb_friction.yaw)
-    }
-}
-
-const EFFECTIVENESS_NAMES: [&str; 4] = [
-    "effectiveness.main_on_pitch",
-    "effectiveness.tail_on_pitch",
-    "effectiveness.main_on_yaw",
-    "effectiveness.tail_on_yaw",
-];
-const QUADRATIC_NAMES: [&str; 4] = [
-    "quadratic_effectiveness.main_on_pitch",
-    "quadratic_effectiveness.tail_on_pitch",
-    "quadratic_effectiveness.main_on_yaw",
-    "quadratic_effectiveness.tail_on_yaw",
-];
-
 impl Effectiveness<f64> {
-    fn validate(&self, names: &[&'static str; 4]) -> Result<(), Invalid> {
-        let values = [self.main_on_pitch, self.tail_on_pitch, self.main_on_yaw, self.tail_on_yaw];
-        names.iter().zip(values).try_for_each(|(name, value)| finite(name, value))
-    }
-
     /// Can every torque be had from some volts? |det K| must be at least a thousandth of what its two
     /// products would give if they did not cancel; otherwise V = K⁻¹ U asks for a thousand times the volts.
     ///

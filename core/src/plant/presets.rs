@@ -3,10 +3,10 @@
 //! Published constants of these machines differ by factors, so each preset says whose they are. Gains do not
 //! carry from one to another.
 
-use super::{Effectiveness, PlantParameters, State};
+use super::{Effectiveness, PlantParameters, State, plausible};
 use crate::DEGREE;
 use crate::axes::{PerAxis, PerMotor};
-use crate::validate::{Invalid, finite, not_negative, positive, require};
+use crate::validate::{Invalid, positive, require};
 use serde::{Deserialize, Serialize};
 
 /// A machine: its plant, and what the controller must know of its sensors, motors and limits.
@@ -268,39 +268,25 @@ pub const ALL: [(&str, Rig); 6] = [
 ];
 
 impl Rig {
-    /// Every number finite and usable; the thrust gains can be inverted.
+    /// Every number within the range that rigs have ([`plausible`]), what belongs together
+    /// in accord, and thrust gains that can be inverted.
     ///
     /// # Errors
     /// Names the first field that is not.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.plant.validate()?;
-        not_negative("nominal_volts", self.nominal_volts)?;
-        self.plant.effectiveness_at(self.nominal_volts).validate_inverse()?;
-        positive("volts_limit.main", self.volts_limit.main)?;
-        positive("volts_limit.tail", self.volts_limit.tail)?;
+        plausible::check(plausible::RIG, self)?;
         self.supply.validate()?;
-        for (field, counts) in [
-            ("encoder_counts.pitch", self.encoder_counts.pitch),
-            ("encoder_counts.yaw", self.encoder_counts.yaw),
-        ] {
-            let counts = f64::from(counts);
-            require(field, counts, (16.0..=1e6).contains(&counts), "16 to 1000000 counts a revolution")?;
-        }
-        let steps = f64::from(self.pwm_steps);
-        require("pwm_steps", steps, (16.0..=65_535.0).contains(&steps), "16 to 65535")?;
-        finite("rest_angle.pitch", self.rest_angle.pitch)?;
-        finite("rest_angle.yaw", self.rest_angle.yaw)?;
-        positive("envelope.pitch", self.envelope.pitch)?;
-        positive("envelope.rate.pitch", self.envelope.rate.pitch)?;
-        positive("envelope.rate.yaw", self.envelope.rate.yaw)?;
-        let Some(motor) = self.motor else {
-            return Ok(());
-        };
-        positive("motor.resistance", motor.resistance)?;
-        positive("motor.back_emf", motor.back_emf)?;
-        not_negative("motor.drag", motor.drag)?;
-        positive("motor.peak_current", motor.peak_current)?;
-        positive("motor.continuous_current", motor.continuous_current)
+        let within = self.nominal_volts <= self.volts_limit.main.max(self.volts_limit.tail);
+        require("nominal_volts", self.nominal_volts, within, "at most volts_limit of a motor")?;
+        let rest = self.rest_angle.pitch;
+        require(
+            "rest_angle.pitch",
+            rest,
+            rest.abs() <= self.envelope.pitch,
+            "within ±envelope.pitch, in rad",
+        )?;
+        self.plant.effectiveness_at(self.nominal_volts).validate_inverse()
     }
 }
 

@@ -59,6 +59,10 @@ pub enum Range {
     Switch,
 }
 
+/// Most that any number of a controller may be, either way: beyond it products of a few of them leave single
+/// precision, and a law's demand would be no number.
+pub const LARGEST: f64 = 1e9;
+
 /// Two bounds, both allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
@@ -122,7 +126,7 @@ impl Range {
     #[inline(never)]
     pub fn allows<R: Real<Mask = bool>>(&self, value: R) -> bool {
         let zero = R::zero();
-        value.is_finite()
+        is_small(value)
             && match self {
                 Self::Finite => true,
                 Self::AtLeastZero => zero.le(value),
@@ -218,6 +222,10 @@ pub fn check<R: Real<Mask = bool>, T: Leaves<R>>(
     outcome
 }
 
+fn is_small<R: Real<Mask = bool>>(value: R) -> bool {
+    value.is_finite() && value.abs().le(R::from_f64(LARGEST))
+}
+
 #[inline(never)]
 fn judge<R: Real<Mask = bool>>(
     rules: &'static [Rule],
@@ -228,7 +236,9 @@ fn judge<R: Real<Mask = bool>>(
     if let (Ok(()), Some(Rule { name, range })) = (&outcome, rules.get(index))
         && !range.allows(value)
     {
-        *outcome = Err(Invalid { field: name, value, allowed: range.allowed() });
+        let too_large = value.is_finite() && !is_small(value);
+        let allowed = if too_large { "at most 1e9 in size" } else { range.allowed() };
+        *outcome = Err(Invalid { field: name, value, allowed });
     }
 }
 

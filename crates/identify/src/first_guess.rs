@@ -1,42 +1,53 @@
 //! Where a fit begins, without a guess from outside: accelerations by linear regression.
 //!
 //! With angles smoothed and rotors given a lag, M q̈ = torque is linear in every other constant.
-//! Differentiated encoder counts bias such a fit, so it is only a start; but the signs it finds are those of
-//! the rig, and show columns that are swapped.
+//! Differentiated encoder counts bias such a fit, so it is only a start; [`doubts`](crate::doubts) asks it
+//! for more.
 
 use super::constants::{CONSTANTS, from_array, to_array};
 use super::smooth::smooth;
 use super::windows::Run;
 use nalgebra::{DMatrix, DVector};
-use twinrotor::axes::{PerAxis, PerMotor};
+use std::ops::Range;
+use twinrotor::axes::PerMotor;
 use twinrotor::plant::{FRICTION_WIDTH, PlantParameters, decay};
 
 /// \[s\] Reach of the polynomials that rates and accelerations come from.
 const REACH: f64 = 0.12;
 /// Part of the largest direction below which the regression knows nothing.
 const UNKNOWN: f64 = 1e-3;
+/// Rows of the shortest stretch of which accelerations can be had.
+const FEWEST_ROWS: usize = 20;
 /// \[s\] Lags that are tried.
-const LAGS: [f64; 6] = [0.03, 0.06, 0.1, 0.15, 0.22, 0.3];
+pub(super) const LAGS: [f64; 6] = [0.03, 0.06, 0.1, 0.15, 0.22, 0.3];
 
 /// The constants that regression gives, at the lag that explains most, with `base`'s inertias and lag-free
 /// terms.
 pub fn first_guess(runs: &[Run], base: &PlantParameters<f64>) -> PlantParameters<f64> {
-    let guesses = LAGS.map(|lag| regress(runs, base, lag));
+    let pitch: Vec<_> = runs.iter().filter(|r| r.moves.pitch).map(|run| (run, motion(run, true))).collect();
+    let yaw: Vec<_> = runs.iter().filter(|r| r.moves.yaw).map(|run| (run, motion(run, false))).collect();
+    let guesses = LAGS.map(|lag| regress(&pitch, &yaw, base, lag));
     let best = guesses.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
     best.map_or(*base, |(plant, _)| plant)
 }
 
 /// One regression for each axis: (regressors, acceleration times inertia), weighted alike.
-fn regress(runs: &[Run], base: &PlantParameters<f64>, lag: f64) -> (PlantParameters<f64>, f64) {
+fn regress(
+    pitch: &[(&Run, Vec<Motion>)],
+    yaw: &[(&Run, Vec<Motion>)],
+    base: &PlantParameters<f64>,
+    lag: f64,
+) -> (PlantParameters<f64>, f64) {
     let mut values = to_array(base);
     let mut set = |name: &str, value: f64| {
         if let Some(k) = CONSTANTS.iter().position(|c| c.name == name) {
             values[k] = value;
         }
     };
-    let (pitch, missed_pitch) =
-        solve(runs.iter().filter(|r| r.moves.pitch).map(|run| rows(run, base, lag, true)));
-    let (yaw, missed_yaw) = solve(runs.iter().filter(|r| r.moves.yaw).map(|run| rows(run, base, lag, false)));
+    let of = |moved: &[(&Run, Vec<Motion>)], is_pitch: bool| {
+        solve(moved.iter().map(|(run, motion)| rows(run, motion, base, lag, is_pitch)))
+    };
+    let ((pitch, missed_pitch), (yaw, missed_yaw)) = (of(pitch, true), of(yaw, false));
     let names = [
         ["effectiveness.main_on_pitch", "effectiveness.main_on_yaw"],
         ["effectiveness.tail_on_pitch", "effectiveness.tail_on_yaw"],
@@ -57,11 +68,23 @@ fn regress(runs: &[Run], base: &PlantParameters<f64>, lag: f64) -> (PlantParamet
 }
 
 /// How many terms a regression has.
-const TERMS: usize = 9;
+pub(super) const TERMS: usize = 9;
+
+/// One row of a regression.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Term {
+    /// What acts for each unit of its constant: both motors' volts, these times their size, minus rate and its
+    /// sign, the other rotor's change, minus the sine of pitch, and 1.
+    pub(super) terms: [f64; TERMS],
+    /// \[N m\] Inertia times acceleration.
+    pub(super) torque: f64,
+    /// \[N m\] Of the centre of mass, known beforehand.
+    pub(super) weight: f64,
+}
 
 /// The least squares solution over all runs, and the part of the accelerations that it misses.
-fn solve(parts: impl Iterator<Item = Vec<([f64; TERMS], f64)>>) -> ([f64; TERMS], f64) {
-    let rows: Vec<([f64; TERMS], f64)> = parts.flatten().collect();
+fn solve(parts: impl Iterator<Item = Vec<Term>>) -> ([f64; TERMS], f64) {
+    let rows: Vec<([f64; TERMS], f64)> = parts.flatten().map(|t| (t.terms, t.torque + t.weight)).collect();
     if rows.len() <= TERMS {
         return ([0.0; TERMS], 1.0);
     }
@@ -80,26 +103,46 @@ fn solve(parts: impl Iterator<Item = Vec<([f64; TERMS], f64)>>) -> ([f64; TERMS]
     (std::array::from_fn(|k| x[k] / scale[k]), missed)
 }
 
-fn rows(run: &Run, base: &PlantParameters<f64>, lag: f64, is_pitch: bool) -> Vec<([f64; TERMS], f64)> {
+/// How one axis moves in a stretch of a run, as polynomials have it.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    stretch: Range<usize>,
+    rate: Vec<f64>,
+    accel: Vec<f64>,
+}
+
+/// The motion of one axis in every stretch that is long enough.
+pub(super) fn motion(run: &Run, is_pitch: bool) -> Vec<Motion> {
+    let log = &run.log;
+    let of = |stretch: &Range<usize>| {
+        let angle: Vec<f64> =
+            log.angle[stretch.clone()].iter().map(|a| if is_pitch { a.pitch } else { a.yaw }).collect();
+        let rate: Vec<f64> = smooth(&angle, log.sample_time, REACH).iter().map(|s| s.rate).collect();
+        let accel = smooth(&rate, log.sample_time, REACH).iter().map(|s| s.rate).collect();
+        Motion { stretch: stretch.clone(), rate, accel }
+    };
+    log.stretches.iter().filter(|stretch| stretch.len() >= FEWEST_ROWS).map(of).collect()
+}
+
+/// The rows of one axis of a run in which it moves.
+pub(super) fn rows(
+    run: &Run,
+    motion: &[Motion],
+    base: &PlantParameters<f64>,
+    lag: f64,
+    is_pitch: bool,
+) -> Vec<Term> {
     let log = &run.log;
     let keep = decay(log.sample_time, lag);
     let coupling = base.mass * base.center_of_mass * base.center_of_mass;
     let mut found = Vec::new();
-    for stretch in &log.stretches {
-        let part = &log.angle[stretch.clone()];
-        if part.len() < 20 {
-            continue;
-        }
-        let pitch: Vec<f64> = part.iter().map(|a| a.pitch).collect();
-        let angle = if is_pitch { pitch.clone() } else { part.iter().map(|a| a.yaw).collect() };
-        let rate: Vec<f64> = smooth(&angle, log.sample_time, REACH).iter().map(|s| s.rate).collect();
-        let accel = smooth(&rate, log.sample_time, REACH);
+    for Motion { stretch, rate, accel } in motion {
         let mut acting: PerMotor<f64> = log.volts[stretch.start];
         for (k, volts) in log.volts[stretch.clone()].iter().enumerate() {
             let missing = volts.minus(acting);
             if k % super::problem::stride(run) == 0 && rate[k].abs() > 5.0 * FRICTION_WIDTH {
                 let squared = acting.map(|v| v * v.abs());
-                let (sine, cosine) = pitch[k].sin_cos();
+                let (sine, cosine) = log.angle[stretch.start + k].pitch.sin_cos();
                 let (inertia, reaction) = if is_pitch {
                     (base.inertia.pitch + coupling, missing.tail / lag)
                 } else {
@@ -119,41 +162,10 @@ fn rows(run: &Run, base: &PlantParameters<f64>, lag: f64, is_pitch: bool) -> Vec
                     pull,
                     constant,
                 ];
-                found.push((terms, inertia * accel[k].rate + weight));
+                found.push(Term { terms, torque: inertia * accel[k], weight });
             }
             acting = volts.minus(missing.scaled(keep));
         }
     }
     found
-}
-
-/// What the signs of a first guess say of the columns: a line for each that looks swapped.
-pub fn swapped(
-    guess: &PlantParameters<f64>,
-    expected: &PlantParameters<f64>,
-    runs: &[Run],
-    volts: f64,
-) -> Vec<String> {
-    let found = guess.effectiveness_at(volts);
-    let meant = expected.effectiveness_at(volts);
-    let ran = |of: fn(&PerMotor<f64>) -> f64| runs.iter().any(|r| r.log.volts.iter().any(|v| of(v) != 0.0));
-    let moved = PerAxis { pitch: runs.iter().any(|r| r.moves.pitch), yaw: runs.iter().any(|r| r.moves.yaw) };
-    let mut lines = Vec::new();
-    let mut say = |motor: &str, axis: &str, column: &str| {
-        lines.push(format!(
-            "positive volts on {motor} turn {axis} the wrong way: {column} looks swapped; say so: columns \
-             {column}=-NAME"
-        ));
-    };
-    let against = |found: f64, meant: f64| found * meant < 0.0;
-    if ran(|v| v.main) && moved.pitch && found.main_on_pitch < 0.0 {
-        // The other motor tells which of the two it is, where it moves pitch too.
-        let pitch = against(found.tail_on_pitch, meant.tail_on_pitch);
-        say("v0", "pitch", if pitch { "pitch" } else { "v0" });
-    }
-    if ran(|v| v.tail) && moved.yaw && found.tail_on_yaw < 0.0 {
-        let yaw = against(found.main_on_yaw, meant.main_on_yaw);
-        say("v1", "yaw", if yaw { "yaw" } else { "v1" });
-    }
-    lines
 }

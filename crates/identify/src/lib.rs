@@ -1,10 +1,11 @@
 //! The constants of a real rig from its own logs.
 //!
 //! Output error: the core's plant is fed the volts of a log and its constants are moved until its angles look
-//! like the logged ones. In the order of a run: [`windows`] cuts logs, [`tachometer`] reads lags,
-//! [`first_guess`] finds where to begin, [`problem`] is the least squares, [`search`] and [`descent`] solve
-//! it, [`interval`] says how well each constant is known, [`mod@fit`] how well the logs are explained, and
-//! [`suggest`] which experiment would tell more.
+//! like the logged ones. In the order of a run: [`mod@log`] reads and mends, [`windows`] cuts, [`doubts`] asks
+//! whether the columns are what they are said to be, [`tachometer`] reads lags, [`first_guess`] finds where to
+//! begin, [`problem`] is the least squares, [`search`] and [`descent`] solve it, [`interval`] says how well each
+//! constant is known, [`mod@fit`] how well the logs are explained, and [`suggest`] which experiment would tell
+//! more.
 
 #![cfg_attr(
     test,
@@ -18,6 +19,7 @@
 
 pub mod constants;
 pub mod descent;
+pub mod doubts;
 pub mod first_guess;
 pub mod fit;
 pub mod interval;
@@ -94,6 +96,45 @@ pub fn hold_measured_lags(
     }
     *plant = from_array(&values);
     found
+}
+
+/// Part of a log's moving pieces that another log may share by chance.
+const CHANCE: f64 = 0.02;
+
+/// The `runs` without those whose rows another one holds already, and what is said of rows that they and the
+/// logs that were kept out, `others`, have in common.
+pub fn distinct(runs: Vec<Run>, others: &[Run]) -> (Vec<Run>, Vec<String>) {
+    let mut kept: Vec<Run> = Vec::new();
+    let mut notes = Vec::new();
+    for run in runs {
+        let shared = kept.iter().map(|other| (other, run.log.shared_with(&other.log)));
+        let most = shared.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, part)| *part > CHANCE);
+        let (name, drop) = (&run.log.name, most.is_some_and(|(_, part)| part > 0.98));
+        if let Some((other, part)) = most {
+            let (other, percent) = (&other.log.name, 100.0 * part);
+            notes.push(if drop {
+                format!("{name}: its rows are in {other} already: left out, since they prove nothing twice")
+            } else {
+                format!("{name}: {percent:.0} % of it is in {other} too: intervals come out too narrow")
+            });
+        }
+        if !drop {
+            kept.push(run);
+        }
+    }
+    for run in others {
+        let shared = kept.iter().map(|other| (other, run.log.shared_with(&other.log)));
+        let most = shared.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, part)| *part > CHANCE);
+        if let Some((other, part)) = most {
+            notes.push(format!(
+                "{}: {:.0} % of it is in {}, which the constants were fitted to: its fit proves nothing",
+                run.log.name,
+                100.0 * part,
+                other.log.name
+            ));
+        }
+    }
+    (kept, notes)
 }
 
 /// The windows of every run in which anything happens.

@@ -192,25 +192,44 @@ fn a_motor_that_never_runs_says_nothing_of_its_constants() {
 #[test]
 fn swapped_signs_are_found() {
     let mut rng = Draws::new(9).of_move(0);
-    let good = runs(&AERO_LAB.plant, &mut rng);
+    let good = [record(&AERO_LAB.plant, &|t| levels(t, 0.0), 24.0, &mut rng)];
     let check = |change: &dyn Fn(&mut Log)| {
         let mut logs: Vec<Log> = good.iter().map(|r| r.log.clone()).collect();
         logs.iter_mut().for_each(change);
         let runs: Vec<Run> = logs.into_iter().map(Run::new).collect();
-        let guess = first_guess::first_guess(&runs, &AERO_LAB.plant);
-        first_guess::swapped(&guess, &AERO_LAB.plant, &runs, 10.0)
+        doubts::doubts(&runs, &AERO_LAB.plant)
     };
     assert_eq!(check(&|_| ()), Vec::<String>::new());
     let one = |found: Vec<String>, column: &str| {
-        assert!(
-            found.len() == 1 && found[0].contains(&format!("columns {column}=-NAME")),
-            "{column}: {found:?}"
-        );
+        assert!(found.len() == 1 && found[0].ends_with(&format!("columns {column}")), "{column}: {found:?}");
     };
-    one(check(&|log| log.volts.iter_mut().for_each(|v| v.main = -v.main)), "v0");
-    one(check(&|log| log.volts.iter_mut().for_each(|v| v.tail = -v.tail)), "v1");
-    one(check(&|log| log.angle.iter_mut().for_each(|a| a.pitch = -a.pitch)), "pitch");
-    one(check(&|log| log.angle.iter_mut().for_each(|a| a.yaw = -a.yaw)), "yaw");
+    one(check(&|log| log.volts.iter_mut().for_each(|v| v.main = -v.main)), "v0=-NAME");
+    one(check(&|log| log.volts.iter_mut().for_each(|v| v.tail = -v.tail)), "v1=-NAME");
+    one(check(&|log| log.angle.iter_mut().for_each(|a| a.pitch = -a.pitch)), "pitch=-NAME");
+    one(check(&|log| log.angle.iter_mut().for_each(|a| a.yaw = -a.yaw)), "yaw=-NAME");
+    let swap_motors = |v: &mut PerMotor<f64>| *v = PerMotor { main: v.tail, tail: v.main };
+    one(check(&|log| log.volts.iter_mut().for_each(swap_motors)), "v0=NAME-OF-v1,v1=NAME-OF-v0");
+    let swap_axes = |a: &mut PerAxis<f64>| *a = PerAxis { pitch: a.yaw, yaw: a.pitch };
+    one(check(&|log| log.angle.iter_mut().for_each(swap_axes)), "pitch=NAME-OF-yaw,yaw=NAME-OF-pitch");
+    // Both motors or both axes: the same motion, so both are named.
+    let both = check(&|log| log.volts.iter_mut().for_each(|v| *v = v.scaled(-1.0)));
+    assert!(both[0].contains("v0=-NAME,v1=-NAME") && both[0].contains("pitch=-NAME,yaw=-NAME"), "{both:?}");
+}
+
+#[test]
+fn other_units_of_volts_and_angles_are_told() {
+    let mut rng = Draws::new(9).of_move(0);
+    let good = [record(&AERO_LAB.plant, &|t| levels(t, 0.0), 24.0, &mut rng)];
+    let check = |change: &dyn Fn(&mut Log), told: &str| {
+        let mut logs: Vec<Log> = good.iter().map(|r| r.log.clone()).collect();
+        logs.iter_mut().for_each(change);
+        let runs: Vec<Run> = logs.into_iter().map(Run::new).collect();
+        let found = doubts::doubts(&runs, &AERO_LAB.plant);
+        assert!(found.iter().any(|line| line.contains(told)), "{told}: {found:?}");
+    };
+    check(&|log| log.volts.iter_mut().for_each(|v| *v = v.scaled(1.0 / 24.0)), "a duty cycle for V");
+    check(&|log| log.angle.iter_mut().for_each(|a| a.yaw = a.yaw.to_degrees()), "yaw: a volt turns it");
+    check(&|log| log.angle.iter_mut().for_each(|a| a.yaw /= std::f64::consts::TAU), "turns for rad");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! allowed. Flags, files and exit status are the business of the program that asks.
 
 use std::fmt;
+use twinrotor::settings::LARGEST;
 use twinrotor::validate::Invalid;
 
 /// Why something could not be done.
@@ -43,10 +44,20 @@ pub enum Error {
 /// The shorthand of this crate and of those that build on it.
 pub type Outcome<T> = Result<T, Error>;
 
+/// A number with more digits than this is told by its exponent.
+const MOST_DIGITS: usize = 22;
+
 impl Error {
     /// A value that is not allowed.
     pub fn invalid(field: impl fmt::Display, value: impl fmt::Display, allowed: impl fmt::Display) -> Self {
-        Self::Invalid { field: field.to_string(), value: value.to_string(), allowed: allowed.to_string() }
+        let mut value = value.to_string();
+        // All digits of a number such as 1e300 would fill the screen.
+        if value.len() > MOST_DIGITS
+            && let Ok(number) = value.parse::<f64>()
+        {
+            value = format!("{number:e}");
+        }
+        Self::Invalid { field: field.to_string(), value, allowed: allowed.to_string() }
     }
 
     /// The same, found at `place`.
@@ -110,12 +121,16 @@ pub fn known_name<'a, T>(field: &str, name: &str, known: &'a [(&'a str, T)]) -> 
     })
 }
 
-/// Requires a finite number of at least `least` (or above it, with `strictly`).
+/// Requires a finite number of at least `least` (or above it, with `strictly`), and of a size that single
+/// precision can reckon with ([`LARGEST`]).
 ///
 /// # Errors
 ///
 /// If it is not.
 pub fn at_least(field: &str, value: f64, least: f64, strictly: bool) -> Outcome<f64> {
+    if value.is_finite() && value.abs() > LARGEST {
+        return Err(Error::invalid(field, value, format_args!("at most {LARGEST:e} in size")));
+    }
     if value.is_finite() && (value > least || (!strictly && value >= least)) {
         return Ok(value);
     }
@@ -132,6 +147,18 @@ mod tests {
         let told = at_least("range", 0.5, 1.0, true).unwrap_err().within("mine.toml");
         assert_eq!(told.to_string(), "mine.toml: range is 0.5; allowed: a finite number above 1");
         assert!(told.is_input() && !Error::Failed("diverged".into()).within("x").is_input());
+    }
+
+    /// What f64 holds and the board's f32 does not, and digits that nobody reads.
+    #[test]
+    fn numbers_beyond_single_precision_are_refused_in_few_digits() {
+        for value in [1e300, -1e300, f64::MAX, 4e38] {
+            let told = at_least("angle", value, f64::MIN, false).unwrap_err().to_string();
+            assert!(told.contains("allowed: at most 1e9 in size") && told.len() < 80, "{told}");
+        }
+        let told = at_least("duration", 1e-320, 1.0, false).unwrap_err().to_string();
+        assert!(told.len() < 80 && told.contains("e-320"), "{told}");
+        assert_eq!(at_least("angle", -35_000.0, f64::MIN, false), Ok(-35_000.0));
     }
 
     #[test]

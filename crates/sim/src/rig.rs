@@ -59,7 +59,7 @@ mod tests {
     fn a_bad_file_is_told_in_one_line_with_its_field() {
         let good = to_toml(&presets::AERO);
         let cases = [
-            (good.replace("mass = 1.075", "mass = -1.0"), "mass is -1; allowed: a finite number above 0"),
+            (good.replace("mass = 1.075", "mass = -1.0"), "mass is -1; allowed: 0.001 to 100.0 kg"),
             (good.replace("mass = 1.075", "mass = nan"), "mass is NaN"),
             (good.replace("mass = 1.075", "mas = 1.075"), "unknown field `mas`"),
             (good.replace("mass = 1.075", ""), "missing field `mass`"),

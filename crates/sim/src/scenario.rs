@@ -244,6 +244,10 @@ impl Course {
                     finite("jumps: an angle", *angle)?;
                     before = *time;
                 }
+                if *period > 0.0 && *period <= before {
+                    let allowed = format_args!("0 for never, or above {before} s, or that jump never comes");
+                    return Err(Error::invalid(format_args!("{axis}.period"), period, allowed));
+                }
             }
             Self::Sine { offset_deg, amplitude_deg, frequency, phase_deg } => {
                 finite("offset_deg", *offset_deg)?;
@@ -302,6 +306,13 @@ mod tests {
             let error = Scenario::parse("mine.toml", &format!("{head}{axes}")).unwrap_err().to_string();
             assert!(error.contains(expected) && !error.contains('\n'), "{error}");
         }
+        let hidden = "duration = 10\n[pitch.steps]\njumps = [[1, 10], [8, 20]]\nperiod = 4\n\
+                      [yaw.steps]\njumps = []\n";
+        let error = Scenario::parse("mine.toml", hidden).unwrap_err().to_string();
+        assert!(error.contains("pitch.period is 4; allowed: 0 for never, or above 8 s"), "{error}");
+        let huge = "duration = 10\n[pitch.steps]\njumps = [[1, 1e300]]\n[yaw.steps]\njumps = []\n";
+        let error = Scenario::parse("mine.toml", huge).unwrap_err().to_string();
+        assert!(error.contains("pitch.jumps: an angle is 1e300; allowed: at most 1e9"), "{error}");
         let back =
             "duration = 1.0\n[pitch.steps]\njumps = [[2.0, 1.0], [1.0, 2.0]]\n[yaw.steps]\njumps = []\n";
         let error = Scenario::parse("mine.toml", back).unwrap_err().to_string();

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use twinrotor::axes::PerMotor;
+use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::rig::NamedRig;
@@ -114,9 +115,12 @@ pub(super) enum End {
 /// Two numbers with a comma between them.
 pub(super) fn pair(flag: &str, text: &str) -> Outcome<[f64; 2]> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let usable = |number: &f64| number.is_finite() && number.abs() <= LARGEST;
     match numbers.as_deref() {
-        Some([first, second]) if first.is_finite() && second.is_finite() => Ok([*first, *second]),
-        _ => Err(Failure::Input(format!("{flag} is '{text}'; allowed: two finite numbers such as 1,25"))),
+        Some([first, second]) if usable(first) && usable(second) => Ok([*first, *second]),
+        _ => Err(Failure::Input(format!(
+            "{flag} is '{text}'; allowed: two finite numbers such as 1,25, each at most {LARGEST:e} in size"
+        ))),
     }
 }
 

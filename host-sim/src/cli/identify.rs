@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use twinrotor::plant::presets::Rig;
 use twinrotor_identify::constants;
-use twinrotor_identify::first_guess::{first_guess, swapped};
+use twinrotor_identify::doubts::doubts;
 use twinrotor_identify::fit::Fit;
 use twinrotor_identify::log::Columns;
 use twinrotor_identify::problem::Problem;
@@ -24,8 +24,10 @@ use twinrotor_identify::search::{Effort, Search};
 use twinrotor_identify::suggest::{Suggestion, suggest};
 use twinrotor_identify::windows::Run;
 use twinrotor_identify::{
-    Parameter, THRESHOLD, WINDOW, hold_measured_lags, identified, offset_of, training_windows,
+    Parameter, THRESHOLD, WINDOW, distinct, hold_measured_lags, identified, offset_of, tachometer,
+    training_windows,
 };
+use twinrotor_sim::Error;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
@@ -110,8 +112,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let runs = load(&args.logs, args, &named.rig)?;
     let others = load(&args.validate, args, &named.rig)?;
     let mut notes = notes(&runs, &others);
-    let regression = first_guess(&runs, &named.rig.plant);
-    notes.extend(swapped(&regression, &named.rig.plant, &runs, 10.0));
+    let (runs, repeated) = distinct(runs, &others);
+    notes.extend(repeated);
+    tachometer::check(&runs)?;
+    notes.extend(doubts(&runs, &named.rig.plant));
 
     let measured = hold_measured_lags(&runs, &mut named.rig.plant, &mut free, &args.free);
     notes.extend(
@@ -133,7 +137,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     };
 
     let plant = problem.plant(&found.values);
-    let rig = identified(&named.rig, plant, &runs)?;
+    let rig = identified(&named.rig, plant, &runs).map_err(|e| with_notes(e, &notes))?;
     let (mut parameters, known) = twinrotor_identify::parameters(&problem, &found);
     output::write(&args.out, preset_file(&rig, args, &named).as_bytes())?;
     let mut compared: Vec<(&Run, f64, &'static str)> =
@@ -195,11 +199,7 @@ fn check_paths(args: &Args) -> Outcome<PathBuf> {
 
 fn load(paths: &[PathBuf], args: &Args, rig: &Rig) -> Outcome<Vec<Run>> {
     let columns = Columns::parse(&args.columns).map_err(Failure::of_flag)?;
-    let load = |path: &PathBuf| {
-        let log = files::log(path, &columns)?;
-        log.check_volts(rig.volts_limit)?;
-        Ok(Run::new(log))
-    };
+    let load = |path: &PathBuf| Ok(Run::new(files::log(path, &columns, rig)?));
     paths.iter().map(load).collect()
 }
 
@@ -207,6 +207,12 @@ fn notes(runs: &[Run], others: &[Run]) -> Vec<String> {
     let of =
         |run: &Run| run.log.notes.iter().map(|note| format!("{}: {note}", run.log.name)).collect::<Vec<_>>();
     runs.iter().chain(others).flat_map(of).collect()
+}
+
+/// What failed, with what was found odd about the logs: that may be why.
+fn with_notes(error: Error, notes: &[String]) -> Failure {
+    let told: Vec<String> = notes.iter().map(|note| format!("; note: {note}")).collect();
+    Failure::Run(format!("{error}{}", told.concat()))
 }
 
 /// A search at its beginning, or where its checkpoint left it.

@@ -20,7 +20,7 @@ mod tune;
 
 use crate::error::{Failure, Outcome};
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{Arg, ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -58,7 +58,7 @@ enum Command {
 
 /// Runs what was typed.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match parse() {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
@@ -83,6 +83,27 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// What was typed. A value may be negative wherever there is one, so that it is told what is allowed, and not
+/// taken for a flag that there is not.
+fn parse() -> Result<Cli, clap::Error> {
+    let negative = |arg: Arg| match arg.get_action() {
+        ArgAction::Set | ArgAction::Append if !arg.is_allow_hyphen_values_set() => {
+            arg.allow_negative_numbers(true)
+        }
+        _ => arg,
+    };
+    let command = Cli::command().mut_subcommands(|command| command.mut_args(negative));
+    Cli::from_arg_matches(&command.try_get_matches()?)
+}
+
+/// What the standard library says of a number that it cannot read, and what is allowed instead.
+const NUMBERS: [(&str, &str); 4] = [
+    ("invalid digit found in string", "allowed: a whole number of at least 0"),
+    ("number too large to fit in target type", "allowed: a whole number of at most 18446744073709551615"),
+    ("cannot parse integer from empty string", "allowed: a whole number of at least 0"),
+    ("invalid float literal", "allowed: a number"),
+];
+
 /// Help and version are no errors; anything else is told in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if matches!(
@@ -97,7 +118,8 @@ fn usage(error: &clap::Error) -> ExitCode {
     let text = error.render().to_string();
     let told = text.split("\n\nUsage").next().unwrap_or_default().split("\n\nFor more").next();
     let line: Vec<&str> = told.unwrap_or_default().split_whitespace().collect();
-    eprintln!("{} (--help lists what there is)", line.join(" "));
+    let line = NUMBERS.iter().fold(line.join(" "), |line, (theirs, ours)| line.replace(theirs, ours));
+    eprintln!("{line} (--help lists what there is)");
     ExitCode::from(2)
 }
 

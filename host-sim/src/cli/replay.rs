@@ -12,8 +12,10 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use twinrotor::parameters::Parameters;
 use twinrotor::replay::{Replayed, Sample};
+use twinrotor_identify::doubts::doubts;
 use twinrotor_identify::log::Columns;
 use twinrotor_identify::replay::{self, Report};
+use twinrotor_identify::windows::Run;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_station::image;
 
@@ -64,10 +66,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     let scenario = args.scenario.as_deref().map(files::scenario).transpose()?;
     let columns = Columns::parse(&args.columns).map_err(Failure::of_flag)?;
-    let log = files::log(&args.log, &columns)?;
-    log.check_volts(named.rig.volts_limit)?;
+    let log = files::log(&args.log, &columns, &named.rig)?;
     let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.validate().map_err(image::unusable)?;
+    let mut notes = log.notes.clone();
+    notes.extend(doubts(&[Run::new(log.clone())], &named.rig.plant));
     let samples = replay::samples(&log, &named.rig, scenario.as_ref());
     let replayed = replay::replay(&parameters, &samples);
     let on_board =
@@ -78,17 +81,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         figure::write(&drawn(&title, &rows, named.rig.volts_limit), path)?;
     }
     if args.common.json {
-        let document = Document {
-            log: &log.name,
-            preset: &named.name,
-            gains: &gains,
-            report,
-            on_board,
-            notes: &log.notes,
-        };
+        let document =
+            Document { log: &log.name, preset: &named.name, gains: &gains, report, on_board, notes: &notes };
         return print_json(&document);
     }
-    print(&summary(&title, &report, on_board.as_deref(), &log.notes))
+    print(&summary(&title, &report, on_board.as_deref(), &notes))
 }
 
 /// The same on the board at `port`, whose answers must be the same.

@@ -8,6 +8,7 @@ pub mod output;
 use crate::error::{Failure, Outcome};
 use std::fs::{self, File};
 use std::path::Path;
+use twinrotor::plant::presets::Rig;
 use twinrotor_identify::log::{Columns, Log};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::{self, NamedRig};
@@ -66,12 +67,12 @@ pub fn gains(flag: &str, name: &str) -> Outcome<GainsFile> {
     Ok(GainsFile::load(name, &text)?)
 }
 
-/// A log from a CSV file.
+/// A log of `rig` from a CSV file.
 ///
 /// # Errors
 ///
 /// If it cannot be read, or nothing can be learnt from it.
-pub fn log(path: &Path, columns: &Columns) -> Outcome<Log> {
+pub fn log(path: &Path, columns: &Columns, rig: &Rig) -> Outcome<Log> {
     let file = File::open(path).map_err(|e| Failure::reading(path, &e))?;
-    Ok(Log::read(&path.display().to_string(), file, columns)?)
+    Ok(Log::read(&path.display().to_string(), file, columns, rig)?)
 }

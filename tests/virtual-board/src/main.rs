@@ -229,7 +229,7 @@ fn replay_on_board(
     scenario: Option<&Scenario>,
     station: &mut Station,
 ) -> Outcome<()> {
-    let log = read(path, &Columns::parse(&args.columns)?)?;
+    let log = read(path, &Columns::parse(&args.columns)?, rig)?;
     let samples = replay::samples(&log, rig, scenario);
     station.try_run(BOOT).map_err(failed)?;
     station.send(&ToBoard::ReadParameters);
@@ -273,10 +273,10 @@ fn unreadable(path: &str, why: &std::io::Error) -> Error {
     Error::Unusable(format!("cannot be read: {why}")).within(path)
 }
 
-fn read(path: &Path, columns: &Columns) -> Outcome<Log> {
+fn read(path: &Path, columns: &Columns, rig: &Rig) -> Outcome<Log> {
     let name = path.display().to_string();
     let file = std::fs::File::open(path).map_err(|why| unreadable(&name, &why))?;
-    Log::read(&name, file, columns)
+    Log::read(&name, file, columns, rig)
 }
 
 fn draw(title: &str, flown: &Flight, rig: &Rig, path: &Path) -> Outcome<()> {

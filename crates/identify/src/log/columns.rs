@@ -16,6 +16,9 @@ pub const COLUMNS: [(&str, Kind, bool); 9] = [
     ("ref_yaw", Kind::Angle, false),
 ];
 
+/// \[V\] More than any of these rigs takes.
+pub(super) const MOST_VOLTS: f64 = 60.0;
+
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -39,11 +42,18 @@ impl Kind {
             }
             (Self::Time, "ms") | (Self::Volts, "mV") => Some(1e-3),
             (Self::Time, "us") => Some(1e-6),
+            (Self::Time, "ns") => Some(1e-9),
             (Self::Angle, "deg") | (Self::Speed, "deg/s") => Some(turn / 360.0),
+            (Self::Angle, "mrad") => Some(1e-3),
+            (Self::Angle, "turn") => Some(turn),
             (Self::Speed, "rpm") => Some(turn / 60.0),
             (Self::Angle, _) => {
                 let counts: u32 = unit.strip_prefix("counts")?.parse().ok()?;
                 (counts > 0).then(|| turn / f64::from(counts))
+            }
+            (Self::Volts, _) => {
+                let full: f64 = unit.strip_prefix("duty")?.parse().ok()?;
+                (full > 0.0 && full <= MOST_VOLTS).then_some(full)
             }
             _ => None,
         }
@@ -51,9 +61,9 @@ impl Kind {
 
     fn units(self) -> &'static str {
         match self {
-            Self::Time => "s, ms, us",
-            Self::Angle => "rad, deg, countsN (N a turn)",
-            Self::Volts => "V, mV",
+            Self::Time => "s, ms, us, ns",
+            Self::Angle => "rad, deg, countsN (N a turn), mrad, turn",
+            Self::Volts => "V, mV, dutyN (N volts at a duty cycle of 1)",
             Self::Speed => "rad/s, deg/s, rpm",
         }
     }
@@ -64,6 +74,7 @@ impl Kind {
 struct Source {
     name: String,
     factor: f64,
+    unit: Option<String>,
 }
 
 /// How to read a log's columns: by their own names in SI units, but for what is said otherwise.
@@ -72,7 +83,7 @@ pub struct Columns([Source; COLUMNS.len()]);
 
 impl Default for Columns {
     fn default() -> Self {
-        Self(COLUMNS.map(|(name, ..)| Source { name: name.to_owned(), factor: 1.0 }))
+        Self(COLUMNS.map(|(name, ..)| Source { name: name.to_owned(), factor: 1.0, unit: None }))
     }
 }
 
@@ -82,9 +93,10 @@ impl Columns {
     ///
     /// # Errors
     ///
-    /// If there is no such column or unit.
+    /// If there is no such column or unit, or one is named twice.
     pub fn parse(text: &str) -> Outcome<Self> {
         let mut columns = Self::default();
+        let mut named = [false; COLUMNS.len()];
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {
             let bad = |why: String| Error::Unusable(format!("'{}' {why}", part.trim())).within("columns");
             let (ours, theirs) = part
@@ -105,7 +117,11 @@ impl Columns {
             if name.is_empty() {
                 return Err(bad("names no column of the file".to_owned()));
             }
-            columns.0[index] = Source { name: name.to_owned(), factor: sign * scale };
+            if std::mem::replace(&mut named[index], true) {
+                return Err(bad(format!("names {} a second time; allowed: once", COLUMNS[index].0)));
+            }
+            let unit = unit.map(str::to_owned);
+            columns.0[index] = Source { name: name.to_owned(), factor: sign * scale, unit };
         }
         Ok(columns)
     }
@@ -116,19 +132,59 @@ impl Columns {
         if found.iter().all(|name| name.is_empty()) {
             return Err("is empty; allowed: a CSV file whose first row names its columns".to_owned());
         }
+        // Some programs write a byte order mark before the first name.
+        let places = |name: &str| -> Vec<usize> {
+            let same = |k: &usize| found[*k].trim_start_matches('\u{feff}') == name;
+            (0..found.len()).filter(same).collect()
+        };
         let mut at = [None; COLUMNS.len()];
-        for ((source, (ours, _, needed)), at) in self.0.iter().zip(COLUMNS).zip(&mut at) {
-            // Some programs write a byte order mark before the first name.
-            *at = found.iter().position(|name| name.trim_start_matches('\u{feff}') == source.name);
-            if at.is_none() && (needed || source.name != ours) {
+        for (k, (source, (ours, _, needed))) in self.0.iter().zip(COLUMNS).enumerate() {
+            let places = places(&source.name);
+            if places.len() > 1 {
+                return Err(format!(
+                    "has {} columns called '{}'; allowed: one, so that it is clear which is meant",
+                    places.len(),
+                    source.name
+                ));
+            }
+            at[k] = places.first().copied();
+            if at[k].is_none() && (needed || source.name != ours) {
                 return Err(format!(
                     "has no column '{}'; it has: {} (name it: columns {ours}=NAME:UNIT)",
                     source.name,
                     found.join(", ")
                 ));
             }
+            if let Some(other) = (0..k).find(|j| at[*j].is_some() && at[*j] == at[k]) {
+                return Err(format!(
+                    "'{}' would be both {} and {ours}; allowed: a column of its own for each",
+                    source.name, COLUMNS[other].0
+                ));
+            }
         }
         Ok(Layout { columns: self.clone(), at })
+    }
+}
+
+/// A time as it is written, in whole units and the rest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moment {
+    whole: i128,
+    part: f64,
+}
+
+impl Moment {
+    fn parse(text: &str) -> Option<Self> {
+        let value: f64 = text.parse().ok().filter(|value: &f64| value.is_finite() && value.abs() < 1e24)?;
+        let (whole, part) = text.split_once('.').unwrap_or((text, ""));
+        let digits = |text: &str| text.bytes().all(|b| b.is_ascii_digit());
+        if !whole.is_empty() && digits(whole) && digits(part) {
+            let part = if part.is_empty() { 0.0 } else { format!("0.{part}").parse().ok()? };
+            return Some(Self { whole: whole.parse().ok()?, part });
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "it was found to be small enough")]
+        let whole = value.floor() as i128;
+        Some(Self { whole, part: value - value.floor() })
     }
 }
 
@@ -140,17 +196,37 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Is this column taken for radians because nothing else was said?
-    pub(super) fn is_plain_rad(&self, ours: &str) -> bool {
-        COLUMNS
-            .iter()
-            .zip(&self.columns.0)
-            .any(|((name, ..), source)| *name == ours && (source.factor.abs() - 1.0).abs() < 1e-12)
+    /// How much of the SI unit one of the file's unit is, without the sign, and the unit if one was said.
+    pub(super) fn unit(&self, ours: &str) -> (f64, Option<&str>) {
+        let found = COLUMNS.iter().zip(&self.columns.0).find(|((name, ..), _)| *name == ours);
+        found.map_or((1.0, None), |(_, source)| (source.factor.abs(), source.unit.as_deref()))
+    }
+
+    /// Counts a turn, where that is the unit that was said.
+    pub(super) fn counts(&self, ours: &str) -> Option<f64> {
+        self.unit(ours).1?.strip_prefix("counts")?.parse().ok()
+    }
+
+    /// What is there but of no use without its partner: a line for each.
+    pub(super) fn alone(&self) -> Vec<String> {
+        let name = |k: usize| COLUMNS[k].0;
+        [(5, 6), (6, 5), (7, 8), (8, 7)]
+            .into_iter()
+            .filter(|(here, there)| self.at[*here].is_some() && self.at[*there].is_none())
+            .map(|(here, there)| {
+                let (here, there) = (name(here), name(there));
+                format!("{here} is there without {there}: it is not read; name both or none")
+            })
+            .collect()
+    }
+
+    fn text<'r>(&self, record: &'r csv::StringRecord, index: usize) -> Option<&'r str> {
+        self.at[index].map(|at| record.get(at).unwrap_or_default())
     }
 
     fn number(&self, record: &csv::StringRecord, index: usize) -> Result<Option<f64>, String> {
-        let Some(at) = self.at[index] else { return Ok(None) };
-        let (source, text) = (&self.columns.0[index], record.get(at).unwrap_or_default());
+        let Some(text) = self.text(record, index) else { return Ok(None) };
+        let source = &self.columns.0[index];
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Some(value * source.factor)),
             _ => Err(format!("{} is '{text}'; allowed: a finite number", source.name)),
@@ -166,8 +242,18 @@ impl Layout {
         Ok(self.number(record, first)?.zip(self.number(record, second)?).map(|(a, b)| [a, b]))
     }
 
-    pub(super) fn time(&self, record: &csv::StringRecord) -> Result<f64, String> {
-        self.needed(record, 0)
+    /// \[s\] Since the log's `origin`, which the first row sets: taken off before anything is scaled, since
+    /// seconds since 1970 leave no digits for microseconds.
+    pub(super) fn time(
+        &self,
+        record: &csv::StringRecord,
+        origin: &mut Option<Moment>,
+    ) -> Result<f64, String> {
+        let (source, text) = (&self.columns.0[0], self.text(record, 0).unwrap_or_default());
+        let moment = Moment::parse(text)
+            .ok_or_else(|| format!("{} is '{text}'; allowed: a finite number", source.name))?;
+        let origin = origin.get_or_insert(moment);
+        Ok(source.factor * ((moment.whole - origin.whole) as f64 + (moment.part - origin.part)))
     }
 
     pub(super) fn angle(&self, record: &csv::StringRecord) -> Result<PerAxis<f64>, String> {

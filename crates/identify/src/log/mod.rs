@@ -2,16 +2,23 @@
 //! wrong.
 //!
 //! A log has one row for each sample: time, both angles as measured, and the volts that were sent after
-//! reading them, held until the next row. What cannot be mended is refused in one line; what can (repeated
-//! rows, gaps) is mended and told in [`Log::notes`].
+//! reading them, held until the next row. What cannot be mended is refused in one line; what can is mended and
+//! told in [`Log::notes`]: repeated rows, gaps, uneven steps (`time.rs`), wrapped angles and wild rows
+//! (`jumps.rs`). Units that were not said are found by `units.rs`, rows that two logs share by `same.rs`.
 
 mod columns;
+mod jumps;
+mod same;
+mod time;
+mod units;
 
 pub use columns::{COLUMNS, Columns};
 
+use columns::{Layout, MOST_VOLTS, Moment};
 use std::io::Read;
 use std::ops::Range;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::plant::presets::Rig;
 use twinrotor_sim::{Error, Outcome};
 
 /// A recorded run, SI units.
@@ -41,39 +48,36 @@ pub struct Log {
 const MOST_ROWS: usize = 4_000_000;
 /// Fewest rows of which anything can be said.
 const FEWEST_ROWS: usize = 20;
-/// A step in time longer than this many sample times is a gap.
-const GAP: f64 = 1.5;
-/// More gaps than this part of all steps is a log that is not sampled evenly.
-const MOST_GAPS: f64 = 0.01;
-/// \[s\] Sample times outside of this are of no use, or no seconds.
-const SAMPLE_TIMES: [f64; 2] = [1e-4, 0.1];
 /// \[rad\] A pitch beyond this is upside down, or no radians.
 const MOST_PITCH: f64 = std::f64::consts::FRAC_PI_2;
-/// \[V\] More than any of these rigs takes.
-const MOST_VOLTS: f64 = 60.0;
+/// Part of the rows that may have another one's time and values of their own.
+const MOST_DIFFERING: f64 = 0.01;
+/// \[V\] Volts that never exceed this on a rig that takes many are parts of a whole.
+const DUTY_CYCLE: f64 = 1.0;
 
 impl Log {
-    /// Reads CSV text whose first row names its columns, called `name` in what is said of it.
+    /// Reads CSV text of a run of `rig`, whose first row names its columns, called `name` in what is said of
+    /// it.
     ///
     /// # Errors
     ///
-    /// If it is not one of a log, or of one that nothing can be learnt from: the line and what is wrong
-    /// there.
-    pub fn read(name: &str, source: impl Read, columns: &Columns) -> Outcome<Self> {
+    /// If it is not one of a log, or of one that nothing can be learnt from: the line or the column, and what
+    /// is wrong there.
+    pub fn read(name: &str, source: impl Read, columns: &Columns, rig: &Rig) -> Outcome<Self> {
         let refuse = |why: String| Error::Unusable(why).within(name);
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
         let header = reader.headers().map_err(|e| refuse(one_line(&e)))?.clone();
         let layout = columns.locate(&header).map_err(refuse)?;
-        let mut raw = Raw::default();
+        let mut rows = Rows::default();
         let mut record = csv::StringRecord::new();
         while reader.read_record(&mut record).map_err(|e| refuse(one_line(&e)))? {
             let line = record.position().map_or(0, csv::Position::line);
-            raw.push(&layout, &record).map_err(|why| refuse(format!("line {line}: {why}")))?;
-            if raw.time.len() > MOST_ROWS {
+            rows.push(&layout, &record).map_err(|why| refuse(format!("line {line}: {why}")))?;
+            if rows.time.len() > MOST_ROWS {
                 return Err(refuse(format!("has more than {MOST_ROWS} rows; cut it into parts")));
             }
         }
-        raw.into_log(name, &layout).map_err(refuse)
+        rows.into_log(name, &layout, rig).map_err(refuse)
     }
 
     /// From rows that are known to be sound: one every `sample_time` \[s\], angles \[rad\], volts \[V\].
@@ -128,58 +132,44 @@ impl Log {
             .fold(PerAxis::zero(), |sum: PerAxis<f64>, a| sum.plus(a.minus(mean).map(square)));
         sum.map(|s| (s / rows).sqrt())
     }
-
-    /// Refuses volts beyond `limit` \[V\]: they are no volts, or of another rig.
-    ///
-    /// # Errors
-    ///
-    /// If there are any.
-    pub fn check_volts(&self, limit: PerMotor<f64>) -> Outcome<()> {
-        let most = self
-            .volts
-            .iter()
-            .fold(PerMotor::zero(), |most: PerMotor<f64>, v| most.zip(*v, |m, v| m.max(v.abs())));
-        for (name, most, limit) in [("v0", most.main, limit.main), ("v1", most.tail, limit.tail)] {
-            if most > 1.02 * limit {
-                return Err(Error::Unusable(format!(
-                    "{name} reaches {most} V; allowed: the preset's limit of {limit} V (other units? say so: \
-                     columns {name}=NAME:mV)"
-                ))
-                .within(&self.name));
-            }
-        }
-        Ok(())
-    }
 }
 
-/// Rows as they stand in the file, in SI units.
+/// Rows in SI units, as the file has them until they are mended.
 #[derive(Debug, Default)]
-struct Raw {
+struct Rows {
+    origin: Option<Moment>,
     time: Vec<f64>,
     angle: Vec<PerAxis<f64>>,
     volts: Vec<PerMotor<f64>>,
     rotor_speed: Vec<PerMotor<f64>>,
     reference: Vec<PerAxis<f64>>,
     repeated: usize,
+    differing: usize,
 }
 
-impl Raw {
-    fn push(&mut self, layout: &columns::Layout, record: &csv::StringRecord) -> Result<(), String> {
-        let time = layout.time(record)?;
+impl Rows {
+    fn push(&mut self, layout: &Layout, record: &csv::StringRecord) -> Result<(), String> {
+        let time = layout.time(record, &mut self.origin)?;
         if let Some(before) = self.time.last() {
             if time < *before {
-                return Err(format!("time runs backwards, from {before} s to {time} s"));
-            }
-            if time <= *before {
-                self.repeated += 1;
-                return Ok(());
+                return Err(format!(
+                    "time runs backwards, from {before} s to {time} s after the first row; allowed: rows in \
+                     the order in which they were taken (a second run? give it as a file of its own)"
+                ));
             }
         }
         let angle = layout.angle(record)?;
         let volts = layout.volts(record)?;
+        if self.time.last().is_some_and(|before| time <= *before) {
+            self.repeated += 1;
+            let same = self.angle.last() == Some(&angle) && self.volts.last() == Some(&volts);
+            self.differing += usize::from(!same);
+            return Ok(());
+        }
         if volts.main.abs() > MOST_VOLTS || volts.tail.abs() > MOST_VOLTS {
             return Err(format!(
-                "volts of {}, {}; allowed: at most {MOST_VOLTS} V (other units? say so: columns v0=NAME:mV)",
+                "volts of {}, {}; allowed: at most {MOST_VOLTS} V (other units? say so: columns v0=NAME:mV, or \
+                 NAME:duty0.24 for percent of 24 V)",
                 volts.main, volts.tail
             ));
         }
@@ -191,124 +181,110 @@ impl Raw {
         Ok(())
     }
 
-    fn into_log(mut self, name: &str, layout: &columns::Layout) -> Result<Log, String> {
+    fn into_log(mut self, name: &str, layout: &Layout, rig: &Rig) -> Result<Log, String> {
         let rows = self.time.len();
         if rows < FEWEST_ROWS {
             return Err(format!("has {rows} rows with a time of their own; allowed: at least {FEWEST_ROWS}"));
         }
-        let mut notes = Vec::new();
+        if self.differing as f64 > MOST_DIFFERING * rows as f64 {
+            return Err(format!(
+                "t: {} of {} rows have the time of the one before, and other angles or volts; allowed: a time \
+                 for each row (are times written with too few digits?)",
+                self.differing,
+                rows + self.repeated
+            ));
+        }
+        let mut notes = layout.alone();
         if self.repeated > 0 {
             notes.push(format!("{} rows repeat the time of the one before; left out", self.repeated));
         }
-        let begin = self.time[0];
-        self.time.iter_mut().for_each(|t| *t -= begin);
-        // To the nanosecond: differences of decimal times have noise in the last digits.
-        let sample_time = (1e9 * median(self.time.windows(2).map(|t| t[1] - t[0]))).round() / 1e9;
-        let [least, most] = SAMPLE_TIMES;
-        if !(least..=most).contains(&sample_time) {
-            return Err(format!(
-                "rows are {sample_time} s apart; allowed: {least} to {most} s (other units? say so: columns \
-                 t=NAME:ms)"
-            ));
-        }
-        let stretches = stretches(&self.time, sample_time);
-        let gaps = stretches.len() - 1;
-        if gaps as f64 > MOST_GAPS * rows as f64 {
-            return Err(format!(
-                "has {gaps} gaps in {rows} rows: it is not sampled evenly every {sample_time} s"
-            ));
-        }
-        if gaps > 0 {
-            let lost: f64 =
-                stretches.windows(2).map(|s| self.time[s[1].start] - self.time[s[0].end - 1]).sum();
-            notes.push(format!("{gaps} gaps, {lost:.3} s in all; no window reaches across one"));
-        }
-        check_pitch(&self.angle)?;
-        let reference = (!self.reference.is_empty()).then_some(self.reference);
-        let mut log = Log {
+        check_volts(&self.volts, rig, &mut notes)?;
+        time::check_unit(&self.time)?;
+        self.mend_angles(layout, rig, &mut notes)?;
+        let clock = time::even_out(&mut self)?;
+        notes.extend(clock.notes);
+        let log = Log {
             name: name.to_owned(),
-            sample_time,
+            sample_time: clock.sample_time,
             time: self.time,
             angle: self.angle,
             volts: self.volts,
             rotor_speed: (!self.rotor_speed.is_empty()).then_some(self.rotor_speed),
-            reference,
-            stretches,
+            reference: (!self.reference.is_empty()).then_some(self.reference),
+            stretches: clock.stretches,
             notes,
         };
-        check_motion(&mut log, layout)?;
-        Ok(log)
+        check_motion(log)
+    }
+
+    /// Refuses angles in other units than was said, and mends those that jump.
+    fn mend_angles(&mut self, layout: &Layout, rig: &Rig, notes: &mut Vec<String>) -> Result<(), String> {
+        let mut of_axis = |axis: &str, angle: &mut Vec<f64>| {
+            notes.extend(units::check(axis, angle, &self.time, layout, rig)?);
+            let counts = layout.counts(axis);
+            notes.extend(jumps::mend(axis, angle, &self.time, counts)?);
+            Ok::<(), String>(())
+        };
+        let mut pitch: Vec<f64> = self.angle.iter().map(|a| a.pitch).collect();
+        let mut yaw: Vec<f64> = self.angle.iter().map(|a| a.yaw).collect();
+        of_axis("pitch", &mut pitch)?;
+        units::check_pitch(&pitch, MOST_PITCH)?;
+        of_axis("yaw", &mut yaw)?;
+        self.angle = pitch.into_iter().zip(yaw).map(|(pitch, yaw)| PerAxis { pitch, yaw }).collect();
+        Ok(())
     }
 }
 
-fn check_pitch(angle: &[PerAxis<f64>]) -> Result<(), String> {
-    let most = angle.iter().fold(0.0_f64, |most, a| most.max(a.pitch.abs()));
-    if most <= MOST_PITCH {
-        return Ok(());
+/// Refuses volts beyond what the rig's motors are given: they are no volts, or of another rig. Tells what
+/// looks like a duty cycle, and one column for both motors.
+fn check_volts(volts: &[PerMotor<f64>], rig: &Rig, notes: &mut Vec<String>) -> Result<(), String> {
+    let most =
+        volts.iter().fold(PerMotor::zero(), |most: PerMotor<f64>, v| most.zip(*v, |m, v| m.max(v.abs())));
+    let limit = rig.volts_limit;
+    for (name, most, limit) in [("v0", most.main, limit.main), ("v1", most.tail, limit.tail)] {
+        if most > 1.02 * limit {
+            return Err(format!(
+                "{name} reaches {most} V; allowed: the preset's limit of {limit} V (other units? say so: \
+                 columns {name}=NAME:mV, or NAME:duty{} for percent of {limit} V)",
+                limit / 100.0
+            ));
+        }
     }
-    let whole = angle.iter().all(|a| a.pitch.fract().abs() < 1e-9);
-    let unit = if whole {
-        "counts of 2048 a turn? say so: columns pitch=NAME:counts2048"
-    } else {
-        "degrees? say so: columns pitch=NAME:deg"
-    };
-    Err(format!("pitch reaches {most}; allowed: within ±{MOST_PITCH:.2} rad ({unit})"))
+    if volts.iter().all(|v| *v == volts[0]) {
+        return Err("nothing is asked of the motors: v0 and v1 are constant".to_owned());
+    }
+    if most.main.max(most.tail) <= DUTY_CYCLE {
+        notes.push(format!(
+            "v0 and v1 stay within ±{DUTY_CYCLE} on a rig of {}/{} V: if they are duty cycles, say so: columns \
+             v0=NAME:duty{},v1=NAME:duty{}",
+            limit.main, limit.tail, limit.main, limit.tail
+        ));
+    }
+    if volts.iter().all(|v| (v.main - v.tail).abs() <= f64::EPSILON * v.main.abs()) {
+        notes.push(
+            "v0 and v1 are the same in every row: one column twice? Which motor does what, such a log cannot \
+             tell"
+                .to_owned(),
+        );
+    }
+    Ok(())
 }
 
-/// Refuses what cannot be identified from, and degrees that are small enough to pass for radians.
-fn check_motion(log: &mut Log, layout: &columns::Layout) -> Result<(), String> {
+/// Refuses what cannot be identified from, and tells of an axis that stands still.
+fn check_motion(mut log: Log) -> Result<Log, String> {
     let moves = log.moves();
     if !moves.pitch && !moves.yaw {
         return Err("nothing moves: pitch and yaw are constant".to_owned());
     }
-    if log.volts.iter().all(|v| *v == log.volts[0]) {
-        return Err("nothing is asked of the motors: v0 and v1 are constant".to_owned());
+    if log.angle.iter().all(|a| (a.pitch - a.yaw).abs() <= f64::EPSILON * a.yaw.abs()) {
+        return Err("pitch and yaw are the same in every row; allowed: a column for each".to_owned());
     }
     for (axis, moves, other) in [("pitch", moves.pitch, "yaw"), ("yaw", moves.yaw, "pitch")] {
         if !moves {
             log.notes.push(format!("{axis} never changes: taken as locked, only {other} is compared"));
         }
     }
-    for (axis, of) in [("pitch", (|a| a.pitch) as fn(&PerAxis<f64>) -> f64), ("yaw", |a| a.yaw)] {
-        if layout.is_plain_rad(axis) && looks_like_degrees(log.angle.iter().map(of)) {
-            return Err(format!(
-                "{axis} moves in steps of a whole part of 360, not of 2 pi: degrees, not rad; say so: \
-                 columns {axis}=NAME:deg"
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// Encoders of these rigs have 500 to 8192 counts a turn. Is every value a multiple of 360/N but not of 2π/N
-/// for some N there is?
-fn looks_like_degrees(values: impl Iterator<Item = f64> + Clone) -> bool {
-    const COUNTS: [f64; 6] = [2000.0, 2048.0, 2880.0, 4000.0, 4096.0, 8192.0];
-    let first = values.clone().next().unwrap_or(0.0);
-    let fits = |turn: f64| {
-        COUNTS.iter().any(|n| {
-            values.clone().all(|v| {
-                let counts = (v - first) * n / turn;
-                (counts - counts.round()).abs() < 0.02
-            })
-        })
-    };
-    fits(360.0) && !fits(std::f64::consts::TAU)
-}
-
-fn stretches(time: &[f64], sample_time: f64) -> Vec<Range<usize>> {
-    let starts =
-        time.windows(2).enumerate().filter(|(_, t)| t[1] - t[0] > GAP * sample_time).map(|(k, _)| k + 1);
-    let starts: Vec<usize> = std::iter::once(0).chain(starts).collect();
-    let ends = starts.iter().skip(1).copied().chain([time.len()]);
-    starts.iter().copied().zip(ends).map(|(from, to)| from..to).collect()
-}
-
-/// Of what has at least one value.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
+    Ok(log)
 }
 
 fn one_line(error: &csv::Error) -> String {
