@@ -1,12 +1,13 @@
 //! From a chip that has just been reset to peripherals ready to use, as the [`boards`] file says.
 
-use crate::boards::{self, BOARD, Parts, SerialInterrupts, Source};
+use crate::boards::{self, BOARD, Parts, Serial, SerialInterrupts, Source};
 use crate::clock::Clock;
 use crate::critical::BELOW_TICK;
 use crate::emergency_stop;
 use crate::port::Port;
 use crate::port::amplifier::{AMPLIFIER, Amplifier, Outputs};
 use crate::port::senses::Senses;
+use crate::receiver::Receiver;
 use embassy_stm32::Config;
 use embassy_stm32::adc::Adc;
 use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
@@ -20,13 +21,14 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::qei::{Config as QeiConfig, Qei};
 use embassy_stm32::timer::simple_pwm::PwmPin;
-use embassy_stm32::usart::{self, Uart};
+use embassy_stm32::usart::{self, UartTx};
 
 /// Everything but the tick itself, ready to use: motors off, timers stopped.
 pub(crate) struct Board {
     pub(crate) clock: Clock,
     pub(crate) port: Port,
-    pub(crate) serial: Uart<'static, Async>,
+    pub(crate) serial_in: Receiver,
+    pub(crate) serial_out: UartTx<'static, Async>,
     pub(crate) led: Output<'static>,
     pub(crate) flash: Bank1Region1<'static, Blocking>,
 }
@@ -68,19 +70,13 @@ pub(crate) fn start() -> Board {
 
     let mut config = usart::Config::default();
     config.baudrate = twinrotor::link::BAUD;
-    let serial = Uart::new(
-        parts.serial,
-        parts.serial_in,
-        parts.serial_out,
-        parts.serial_out_dma,
-        parts.serial_in_dma,
-        SerialInterrupts,
-        config,
-    );
+    let serial_out =
+        UartTx::new(parts.serial, parts.serial_out, parts.serial_out_dma, SerialInterrupts, config);
     Board {
         clock,
         port,
-        serial: serial.expect("the baud rate can be had from the clock"),
+        serial_out: serial_out.expect("the baud rate can be had from the clock"),
+        serial_in: Receiver::start::<Serial, _, _>(parts.serial_in, &parts.serial_in_dma),
         led: Output::new(parts.led, Level::Low, Speed::Low),
         flash: Flash::new_blocking(parts.flash).into_blocking_regions().bank1_region1,
     }

@@ -28,6 +28,8 @@ mod port;
 #[cfg(target_os = "none")]
 mod quiesce;
 #[cfg(target_os = "none")]
+mod receiver;
+#[cfg(target_os = "none")]
 mod reset_record;
 #[cfg(target_os = "none")]
 mod serial;
@@ -66,7 +68,8 @@ async fn main(spawner: embassy_executor::Spawner) {
         reset.is_some(),
         provenance == Provenance::Stored
     );
-    serial::start(spawner, board.serial, storage, (parameters, provenance), reset, reports, commands);
+    let line = (board.serial_in, board.serial_out);
+    serial::start(spawner, line, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
 

@@ -133,6 +133,7 @@ impl<P: PlantPort> Tick<P> {
         } else {
             self.control(control(), &sensed, missed);
         }
+        wake::wake();
         let cycles = DWT::cycle_count().wrapping_sub(begin);
         if cycles > TICK_CYCLES_MAX.load(Ordering::Relaxed) {
             TICK_CYCLES_MAX.store(cycles, Ordering::Relaxed);
@@ -184,7 +185,6 @@ impl<P: PlantPort> Tick<P> {
             if self.frames.enqueue(control.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
-            wake::wake();
         }
     }
 }

@@ -35,13 +35,23 @@ pub(crate) fn lengthened<T>(work: impl FnOnce() -> T) -> T {
     done
 }
 
+/// A tick that feeds between the first of these writes and the last would lock the two registers again, and
+/// the last would be lost: so nothing comes between, not even a tick, and what came of it is looked at.
+#[inline(never)]
 fn set(period: &Period) {
-    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
-    // Each takes up to five LSI cycles to arrive; a write before that is lost.
-    while IWDG.sr().read().pvu() {}
-    IWDG.pr().write(|w| w.set_pr(period.0));
-    while IWDG.sr().read().rvu() {}
-    IWDG.rlr().write(|w| w.set_rl(period.1));
-    while IWDG.sr().read().0 != 0 {}
+    while !holds(period) {
+        cortex_m::interrupt::free(|_| {
+            IWDG.kr().write(|w| w.set_key(Key::ENABLE));
+            IWDG.pr().write(|w| w.set_pr(period.0));
+            IWDG.rlr().write(|w| w.set_rl(period.1));
+        });
+    }
     feed();
+}
+
+/// Is `period` in force? Waits for what was written before, which takes up to five LSI cycles to arrive;
+/// until then the registers read as before, and a write is lost.
+fn holds(period: &Period) -> bool {
+    while IWDG.sr().read().0 != 0 {}
+    IWDG.pr().read().pr() == period.0 && IWDG.rlr().read().rl() == period.1
 }

@@ -170,12 +170,56 @@ impl Pin {
     }
 }
 
+/// A DMA stream, by numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Stream {
+    /// 1 or 2.
+    pub(crate) controller: u8,
+    /// 0 to 7.
+    pub(crate) number: u8,
+}
+
+impl Stream {
+    /// From its name: `DMA1_CH5`.
+    pub(crate) const fn named(name: &str) -> Self {
+        let bytes = name.as_bytes();
+        assert!(bytes.len() == 8 && bytes[0] == b'D' && bytes[6] == b'H');
+        let (controller, number) = (bytes[3] - b'0', bytes[7] - b'0');
+        assert!((controller == 1 || controller == 2) && number < 8);
+        Self { controller, number }
+    }
+}
+
+#[cfg(target_os = "none")]
+impl Stream {
+    const fn unit(self) -> embassy_stm32::pac::dma::Dma {
+        if self.controller == 1 { embassy_stm32::pac::DMA1 } else { embassy_stm32::pac::DMA2 }
+    }
+
+    /// Its registers.
+    pub(crate) const fn registers(self) -> embassy_stm32::pac::dma::St {
+        self.unit().st(self.number as usize)
+    }
+
+    /// Takes back what its flags say, without which it does not start.
+    pub(crate) fn forget_flags(self) {
+        let (half, place) = (usize::from(self.number / 4), usize::from(self.number % 4));
+        self.unit().ifcr(half).write(|w| {
+            w.set_feif(place, true);
+            w.set_dmeif(place, true);
+            w.set_teif(place, true);
+            w.set_htif(place, true);
+            w.set_tcif(place, true);
+        });
+    }
+}
+
 /// What is connected where: a constant of names, and on the target the pins and peripherals themselves.
 macro_rules! wiring {
     (
         pitch_timer: $pitch:ident, yaw_timer: $yaw:ident,
         serial: $serial:ident,
-        serial_out_dma: $out:ident ($out_stream:ident), serial_in_dma: $in:ident ($in_stream:ident),
+        serial_out_dma: $out:ident ($out_stream:ident), serial_in_dma: $in:ident,
         $($what:ident: $pin:ident),* $(,)?
     ) => {
         const WIRING: super::Wiring = super::Wiring {
@@ -192,16 +236,21 @@ macro_rules! wiring {
 
         #[cfg(target_os = "none")]
         mod on_chip {
-            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, pac, peripherals, usart};
+            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, pac, peripherals};
 
             pub(crate) type PitchTimer = peripherals::$pitch;
             pub(crate) type YawTimer = peripherals::$yaw;
 
             bind_interrupts!(pub(crate) struct SerialInterrupts {
-                $serial => usart::InterruptHandler<peripherals::$serial>;
                 $out_stream => dma::InterruptHandler<peripherals::$out>;
-                $in_stream => dma::InterruptHandler<peripherals::$in>;
             });
+
+            pub(crate) type Serial = peripherals::$serial;
+            /// The port of the serial link.
+            pub(crate) const SERIAL: pac::usart::Usart = pac::$serial;
+            /// Its stream from the host.
+            pub(crate) const SERIAL_IN: crate::boards::Stream =
+                crate::boards::Stream::named(stringify!($in));
 
             /// Does each encoder's timer count?
             pub(crate) fn encoders_count() -> bool {
