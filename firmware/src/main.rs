@@ -18,9 +18,13 @@ mod critical;
 #[cfg(target_os = "none")]
 mod emergency_stop;
 #[cfg(target_os = "none")]
+mod flash_cache;
+#[cfg(target_os = "none")]
 mod led;
 #[cfg(target_os = "none")]
 mod nonce;
+#[cfg(target_os = "none")]
+mod oscillator;
 #[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]
@@ -56,12 +60,13 @@ use twinrotor::parameters::Provenance;
 async fn main(spawner: embassy_executor::Spawner) {
     critical::lower_all_interrupts();
     stack::guard();
+    watchdog::start();
     let reset = reset_record::read_and_clear();
     let board = board::start();
     reset_record::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
     let (reports, commands) =
-        tick::start(board.clock, board.port, &parameters, provenance, reset.map(|report| report.cause));
+        tick::start(board.clock, board.port, board.standing, (&parameters, provenance), reset.map(|r| r.cause));
     defmt::info!(
         "{}: reset reported {}, parameters from flash {}",
         boards::BOARD.name,

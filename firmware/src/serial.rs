@@ -4,9 +4,9 @@
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;
 use crate::receiver::Receiver;
-use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, TICKS};
+use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_COUNTS_MAX, TICKS};
 use crate::storage::Storage;
-use crate::{nonce, stack, tick, wake};
+use crate::{clock, nonce, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_executor::Spawner;
 use embassy_stm32::mode::Async;
@@ -104,7 +104,7 @@ impl Waiting for Reports {
             frames_dropped: FRAMES_DROPPED.load(Ordering::Relaxed),
             messages_rejected: REJECTED.load(Ordering::Relaxed),
             messages_stale: STALE.load(Ordering::Relaxed),
-            tick_cycles_max: TICK_CYCLES_MAX.load(Ordering::Relaxed),
+            tick_cycles_max: TICK_COUNTS_MAX.load(Ordering::Relaxed).saturating_mul(clock::CYCLES),
             stack_used,
             stack_size,
         }

@@ -24,8 +24,8 @@ pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
 pub(crate) static FRAME_EVERY: AtomicU16 = AtomicU16::new(5);
 /// Frames that found the queue full.
 pub(crate) static FRAMES_DROPPED: AtomicU32 = AtomicU32::new(0);
-/// \[cycles\] Longest tick.
-pub(crate) static TICK_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
+/// \[counts of the stopwatch\] Longest tick.
+pub(crate) static TICK_COUNTS_MAX: AtomicU32 = AtomicU32::new(0);
 /// Ticks since boot.
 pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
 /// The emergency stop's edge, kept for the next tick.

@@ -14,11 +14,16 @@ struct Period(Pr, u16);
 /// 10 ms nominal.
 const NORMAL: Period = Period(Pr::DIVIDE_BY4, 79);
 /// 4 s nominal, 2.7 s at least: a 16 KiB sector takes up to .5 s to erase.
-const ERASING: Period = Period(Pr::DIVIDE_BY64, 1999);
+const LONG: Period = Period(Pr::DIVIDE_BY64, 1999);
 
-/// Starts it; there is no way back.
+/// Starts it; there is no way back. What comes before the first tick has the longer period.
 pub(crate) fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
+    set(&LONG);
+}
+
+/// From now on ticks must come.
+pub(crate) fn guard_ticks() {
     set(&NORMAL);
 }
 
@@ -29,7 +34,7 @@ pub(crate) fn feed() {
 
 /// Runs `work`, which may stall the core for up to 2.7 s.
 pub(crate) fn lengthened<T>(work: impl FnOnce() -> T) -> T {
-    set(&ERASING);
+    set(&LONG);
     let done = work();
     set(&NORMAL);
     done

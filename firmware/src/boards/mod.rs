@@ -54,6 +54,9 @@ impl Board {
     }
 }
 
+/// \[Hz\] Of the chip's internal oscillator, to a percent at room temperature, to 8 % anywhere.
+pub(crate) const INTERNAL_HZ: u32 = 16_000_000;
+
 /// From the source to the core and the buses: core = source / `divide` x `multiply` / `post_divide`.
 pub(crate) struct Clocks {
     /// What swings.
@@ -78,6 +81,20 @@ impl Clocks {
         self.source_hz / self.divide as u32 * self.multiply as u32 / self.post_divide as u32
     }
 
+    /// From the internal oscillator to the same frequency: the PLL's input divider in place of `divide`.
+    #[expect(clippy::cast_possible_truncation, reason = "asserted")]
+    pub(crate) const fn fallback_divide(&self) -> u8 {
+        let divide = INTERNAL_HZ * self.divide as u32 / self.source_hz;
+        assert!(divide <= 63 && divide * self.source_hz == INTERNAL_HZ * self.divide as u32);
+        divide as u8
+    }
+
+    /// \[Hz\] Of the timers on the slow bus: twice the bus, unless it is as fast as the core.
+    pub(crate) const fn slow_timer_hz(&self) -> u32 {
+        let bus = self.core_hz() / self.apb1_divide as u32;
+        if self.apb1_divide == 1 { bus } else { 2 * bus }
+    }
+
     /// \[Hz\] Of TIM1: twice its bus, unless the bus is as fast as the core (RM0090, 7.2).
     pub(crate) const fn pwm_timer_hz(&self) -> u32 {
         let bus = self.core_hz() / self.apb2_divide as u32;
@@ -86,7 +103,6 @@ impl Clocks {
 }
 
 /// A board's high-speed clock. A board's file names the one it has.
-#[cfg_attr(target_os = "none", expect(dead_code, reason = "other boards have the other"))]
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     /// A crystal at the chip's two pins.
@@ -266,6 +282,7 @@ macro_rules! wiring {
             /// What the board's wiring needs of the chip.
             pub(crate) struct Parts {
                 pub(crate) pwm_timer: Peri<'static, peripherals::TIM1>,
+                pub(crate) stopwatch: Peri<'static, peripherals::TIM5>,
                 pub(crate) adc: Peri<'static, peripherals::ADC1>,
                 pub(crate) flash: Peri<'static, peripherals::FLASH>,
                 pub(crate) pitch_timer: Peri<'static, PitchTimer>,
@@ -280,6 +297,7 @@ macro_rules! wiring {
                 pub(crate) fn of(chip: Peripherals) -> Self {
                     Self {
                         pwm_timer: chip.TIM1,
+                        stopwatch: chip.TIM5,
                         adc: chip.ADC1,
                         flash: chip.FLASH,
                         pitch_timer: chip.$pitch,
