@@ -3,12 +3,11 @@
 use crate::boards::{self, BOARD, Parts, Serial, SerialInterrupts, Source};
 use crate::clock::Clock;
 use crate::critical::BELOW_TICK;
-use crate::{emergency_stop, flash_cache, oscillator};
 use crate::port::Port;
 use crate::port::amplifier::{AMPLIFIER, Amplifier, Outputs};
 use crate::port::senses::Senses;
 use crate::receiver::Receiver;
-use embassy_stm32::{Config, pac};
+use crate::{emergency_stop, flash_cache, oscillator};
 use embassy_stm32::adc::Adc;
 use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
 use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, OutputType, Pull, Speed};
@@ -22,6 +21,7 @@ use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::qei::{Config as QeiConfig, Qei};
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, UartTx};
+use embassy_stm32::{Config, pac};
 use twinrotor::supervisor::{Condition, Conditions};
 
 /// Everything but the tick itself, ready to use: motors off, timers stopped.
@@ -45,6 +45,9 @@ pub(crate) fn start() -> Board {
         pac::RCC.cr().modify(|w| w.set_csson(true));
     }
     flash_cache::start();
+    if cfg!(feature = "debug") {
+        stand_still_at_breakpoints();
+    }
     let enable = Output::new(parts.enable, Level::Low, Speed::Low);
 
     let pitch = Qei::new(parts.pitch_timer, parts.pitch_a, parts.pitch_b, encoder());
@@ -84,13 +87,24 @@ pub(crate) fn start() -> Board {
         UartTx::new(parts.serial, parts.serial_out, parts.serial_out_dma, SerialInterrupts, config);
     Board {
         clock,
-        standing: Conditions::NONE.with(Condition::ClockFallback, !sound),
+        standing: Conditions::NONE
+            .with(Condition::ClockFallback, !sound)
+            .with(Condition::DebugBuild, cfg!(feature = "debug")),
         port,
         serial_out: serial_out.expect("the baud rate can be had from the clock"),
         serial_in: Receiver::start::<Serial, _, _>(parts.serial_in, &parts.serial_in_dma),
         led: Output::new(parts.led, Level::Low, Speed::Low),
         flash: Flash::new_blocking(parts.flash).into_blocking_regions().bank1_region1,
     }
+}
+
+/// Watchdog, tick and stopwatch stop with the core, so that the program can be stepped through.
+fn stand_still_at_breakpoints() {
+    pac::DBGMCU.apb1fzr().modify(|w| {
+        w.set_iwdg(true);
+        w.set_tim5(true);
+    });
+    pac::DBGMCU.apb2fzr().modify(|w| w.set_tim1(true));
 }
 
 fn encoder() -> QeiConfig {

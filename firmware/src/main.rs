@@ -22,6 +22,8 @@ mod flash_cache;
 #[cfg(target_os = "none")]
 mod led;
 #[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
 mod nonce;
 #[cfg(target_os = "none")]
 mod oscillator;
@@ -52,8 +54,6 @@ mod watchdog;
 
 #[cfg(target_os = "none")]
 use defmt_rtt as _;
-#[cfg(target_os = "none")]
-use twinrotor::parameters::Provenance;
 
 #[cfg(target_os = "none")]
 #[embassy_executor::main]
@@ -65,14 +65,14 @@ async fn main(spawner: embassy_executor::Spawner) {
     let board = board::start();
     reset_record::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
-    let (reports, commands) =
-        tick::start(board.clock, board.port, board.standing, (&parameters, provenance), reset.map(|r| r.cause));
-    defmt::info!(
-        "{}: reset reported {}, parameters from flash {}",
-        boards::BOARD.name,
-        reset.is_some(),
-        provenance == Provenance::Stored
+    let (reports, commands) = tick::start(
+        board.clock,
+        board.port,
+        board.standing,
+        (&parameters, provenance),
+        reset.map(|r| r.cause),
     );
+    log::boot(boards::BOARD.name, reset, provenance);
     let line = (board.serial_in, board.serial_out);
     serial::start(spawner, line, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));

@@ -6,7 +6,7 @@ use crate::quiesce::TickAside;
 use crate::receiver::Receiver;
 use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_COUNTS_MAX, TICKS};
 use crate::storage::Storage;
-use crate::{clock, nonce, stack, tick, wake};
+use crate::{clock, log, nonce, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_executor::Spawner;
 use embassy_stm32::mode::Async;
@@ -71,6 +71,7 @@ async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     let mut outgoing = Outgoing::new();
     wake::listen();
     loop {
+        reports.log();
         match outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports) {
             Some(message) => transmit(&mut uart, &message, buffer).await,
             None => wake::woken().await,
@@ -85,13 +86,31 @@ async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &
     }
 }
 
+impl Reports {
+    fn log(&mut self) {
+        while let Some(change) = self.changes.dequeue() {
+            log::change(&change);
+        }
+        let longest = longest_tick();
+        if longest > self.longest_tick {
+            self.longest_tick = longest;
+            log::longest_tick(longest);
+        }
+    }
+}
+
+/// \[cycles\] Since boot.
+fn longest_tick() -> u32 {
+    TICK_COUNTS_MAX.load(Ordering::Relaxed).saturating_mul(clock::CYCLES)
+}
+
 impl Waiting for Reports {
     fn answer(&mut self) -> Option<ToHost> {
         ANSWERS.try_receive().ok()
     }
 
     fn verdict(&mut self) -> Option<Verdict> {
-        self.verdicts.dequeue()
+        self.verdicts.dequeue().inspect(|&verdict| log::verdict(verdict))
     }
 
     fn frame(&mut self) -> Option<Frame> {
@@ -104,7 +123,7 @@ impl Waiting for Reports {
             frames_dropped: FRAMES_DROPPED.load(Ordering::Relaxed),
             messages_rejected: REJECTED.load(Ordering::Relaxed),
             messages_stale: STALE.load(Ordering::Relaxed),
-            tick_cycles_max: TICK_COUNTS_MAX.load(Ordering::Relaxed).saturating_mul(clock::CYCLES),
+            tick_cycles_max: longest_tick(),
             stack_used,
             stack_size,
         }
@@ -121,9 +140,16 @@ struct Operator {
 
 impl Operator {
     async fn deal_with(&mut self, received: Result<Numbered<ToBoard>, LinkError>) {
+        if let Err(error) = received {
+            log::rejected(error);
+        }
         let response = self.conversation.receive(received, self.commands.ready());
         REJECTED.store(self.conversation.rejected(), Ordering::Relaxed);
-        STALE.store(self.conversation.stale(), Ordering::Relaxed);
+        let stale = self.conversation.stale();
+        if stale != STALE.load(Ordering::Relaxed) {
+            log::stale(stale);
+        }
+        STALE.store(stale, Ordering::Relaxed);
         if response.heard {
             HEARD.store(true, Ordering::Relaxed);
         }
@@ -148,12 +174,16 @@ impl Operator {
         let aside = TickAside::ask().await.ok_or(Refusal::MotorsMayTurn)?;
         self.storage.save(parameters)?;
         tick::adopt(parameters, &aside);
+        log::saved();
         Ok(())
     }
 }
 
 /// Hands an answer to the sender.
 async fn answer(message: ToHost) {
+    if let ToHost::Refused(refusal) = &message {
+        log::refusal(refusal);
+    }
     ANSWERS.send(message).await;
     wake::wake_from_thread();
 }

@@ -1,10 +1,11 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
 use crate::clock::{self, Clock};
+use crate::log::Change;
 use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
-    Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
+    CHANGES, Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
     TICK_COUNTS_MAX, TICKS, VERDICTS, take,
 };
 use crate::{led, wake, watchdog};
@@ -19,7 +20,7 @@ use twinrotor::control_loop::{ControlLoop, Inputs};
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::{Parameters, Provenance};
-use twinrotor::supervisor::{Condition, Conditions};
+use twinrotor::supervisor::{ArmState, Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
 /// \[counts\] More than this from one tick to the next, and one has been missed.
@@ -32,6 +33,8 @@ struct Tick<P> {
     commands: commands::Receiver<'static>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
+    changes: Producer<'static, Change>,
+    last: (ArmState, Conditions),
     until_frame: u16,
     last_begin: u32,
     /// The last tick ended too late, or this one began too late.
@@ -66,9 +69,11 @@ pub(crate) fn start(
 ) -> (Reports, Commands) {
     static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
     static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
+    static CHANGE_QUEUE: StaticCell<Queue<Change, CHANGES>> = StaticCell::new();
     static COMMAND_QUEUE: StaticCell<commands::Commands> = StaticCell::new();
     let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
     let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
+    let (changes, change_end) = CHANGE_QUEUE.init(Queue::new()).split();
     let (wish_end, commands) = COMMAND_QUEUE.init(Queue::new()).split();
     #[expect(unsafe_code, reason = "the interrupt is not enabled yet")]
     // SAFETY: nobody else uses them now.
@@ -90,6 +95,8 @@ pub(crate) fn start(
             commands,
             frames,
             verdicts,
+            changes,
+            last: (ArmState::Disarmed, Conditions::NONE),
             until_frame: 0,
             last_begin: clock.now(),
             overrun: false,
@@ -97,7 +104,8 @@ pub(crate) fn start(
     }
     watchdog::guard_ticks();
     clock.run();
-    (Reports { frames: frame_end, verdicts: verdict_end }, wish_end)
+    let reports = Reports { frames: frame_end, verdicts: verdict_end, changes: change_end, longest_tick: 0 };
+    (reports, wish_end)
 }
 
 /// Other parameters for the tick, which stands aside.
@@ -178,7 +186,12 @@ impl<P: PlantPort> Tick<P> {
     #[inline(always)]
     fn report(&mut self, control: &Control) {
         LED_PATTERN.store(led::pattern(control.core.state(), control.board), Ordering::Relaxed);
-        TICKS.store(control.core.next_tick(), Ordering::Relaxed);
+        let (tick, now) = (control.core.next_tick(), (control.core.state(), control.core.conditions()));
+        TICKS.store(tick, Ordering::Relaxed);
+        if now != self.last {
+            self.last = now;
+            let _ = self.changes.enqueue(Change { tick, state: now.0, conditions: now.1 });
+        }
         self.until_frame = self.until_frame.saturating_sub(1);
         if self.until_frame == 0 {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);

@@ -12,19 +12,21 @@
 pub fn sqrt(x: f32) -> f32 {
     #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
     {
-        let root: f32;
+        let mut bits = x.to_bits();
         #[expect(unsafe_code, reason = "an instruction that the language has no name for")]
-        // SAFETY: VSQRT.F32 (ARMv7-M reference manual, A7.7.256) changes the register it is given, and the
-        // floating-point flags, which nothing here reads.
+        // SAFETY: VSQRT.F32 (ARMv7-M reference manual, A7.7.256) changes the registers declared, and flags. By
+        // way of an integer register: the compiler gives assembly no others on a chip without double.
         unsafe {
             core::arch::asm!(
-                "vsqrt.f32 {root}, {x}",
-                root = lateout(sreg) root,
-                x = in(sreg) x,
-                options(pure, nomem, nostack, preserves_flags)
+                "vmov s0, {bits}",
+                "vsqrt.f32 s0, s0",
+                "vmov {bits}, s0",
+                bits = inlateout(reg) bits,
+                out("s0") _,
+                options(pure, nomem, nostack)
             );
         }
-        root
+        f32::from_bits(bits)
     }
     #[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
     {

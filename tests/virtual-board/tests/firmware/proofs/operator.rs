@@ -87,11 +87,8 @@ fn make_zeroed(station: &mut Station) {
 fn a_setpoint_that_moves_comes_to_rest_and_one_beyond_the_envelope_is_refused_with_the_range() {
     let (rig, parameters) = built_in();
     let mut station = flying_with(&rig, &parameters);
-    let setpoint = Reference {
-        angle: PerAxis::new(0.1, 0.2),
-        rate: PerAxis::new(0.0, 1.0),
-        accel: PerAxis::zero(),
-    };
+    let setpoint =
+        Reference { angle: PerAxis::new(0.1, 0.2), rate: PerAxis::new(0.0, 1.0), accel: PerAxis::zero() };
     station.send(&ToBoard::Setpoint(setpoint));
     station.run(3_000);
     let held = station.heard.frames.last().expect("frames").reference.yaw;
@@ -103,8 +100,11 @@ fn a_setpoint_that_moves_comes_to_rest_and_one_beyond_the_envelope_is_refused_wi
     station.run(20);
     let pitch = parameters.limits.pitch;
     let refusal = station.heard.refusals.last().expect("a refusal");
-    assert!(matches!(refusal, Refusal::Setpoint { field, low, high }
-        if field == "setpoint.angle.pitch" && (*low, *high) == (-pitch, pitch)), "{refusal:?}");
+    assert!(
+        matches!(refusal, Refusal::Setpoint { field, low, high }
+        if field == "setpoint.angle.pitch" && (*low, *high) == (-pitch, pitch)),
+        "{refusal:?}"
+    );
     station.run(500);
     assert_eq!(station.heard.state(), Some(ArmState::Armed));
 }
