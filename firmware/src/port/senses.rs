@@ -16,13 +16,13 @@ const CONVERTER: pac::adc::Adc = pac::ADC1;
 /// \[V / 3.3 V\] The converter's supply, against which it measures, by the chip's internal reference: boards
 /// of 3.0 V are ordinary. Not a number where that cannot be, which the core takes for a supply that jumps.
 fn own_supply(adc: &Adc<'static, ADC1>) -> f32 {
-    const REFERENCE: usize = 17;
+    const REFERENCE: u8 = 17;
     const SETTLING: u16 = 4;
     const READINGS: u16 = 16;
     let _on = adc.enable_vrefint();
     // 480 + 12 cycles: 23 µs. The reference wants 10, and as long to start.
-    CONVERTER.smpr1().modify(|w| w.set_smp(REFERENCE - 10, SampleTime::CYCLES480));
-    CONVERTER.sqr3().modify(|w| w.set_sq(0, REFERENCE as u8));
+    CONVERTER.smpr1().modify(|w| w.set_smp(usize::from(REFERENCE) - 10, SampleTime::CYCLES480));
+    CONVERTER.sqr3().modify(|w| w.set_sq(0, REFERENCE));
     let mut sum = 0;
     for reading in 0..SETTLING + READINGS {
         CONVERTER.cr2().modify(|w| w.set_swstart(true));

@@ -2,6 +2,7 @@
 //! long, a supply that sinks, a crystal that fails, wires that are cut.
 
 mod boot;
+mod checking;
 mod line;
 mod noise;
 mod operator;
