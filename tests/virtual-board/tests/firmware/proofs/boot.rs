@@ -139,3 +139,15 @@ fn caches_are_on_and_serve_no_line_from_before_a_save() {
         assert_eq!(on(&mut station), PREFETCH_AND_CACHES, "save {nth}");
     }
 }
+
+#[test]
+fn the_supply_is_read_right_whatever_the_converters_own_supply_is() {
+    for rail_millivolts in [3_000, 3_135, 3_300, 3_500] {
+        let mut station = board(Settings { rail_millivolts, ..Settings::default() });
+        station.run(200);
+        let read = station.heard.frames.last().expect("frames").supply;
+        let (rig, _) = built_in();
+        let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
+        assert!((f64::from(read) / supply - 1.0).abs() < 0.01, "{read} V of {supply} V at {rail_millivolts} mV");
+    }
+}
