@@ -41,7 +41,7 @@ mod tests {
     /// The square of what comes out, exact in f64, is never further off than that of a neighbour.
     #[test]
     fn it_is_correctly_rounded() {
-        let arguments = (0..2_000_000_u32).map(|n| f32::from_bits(n.wrapping_mul(1_074)));
+        let arguments = (0..2_000_000_u32).map(|n| f32::from_bits(n * 1_073));
         for x in arguments.chain([0.0, -0.0, f32::MIN_POSITIVE, f32::MAX, f32::from_bits(1)]) {
             let root = super::sqrt(x);
             let reference = f64::from(x).sqrt();

@@ -3,6 +3,7 @@
 
 mod boot;
 mod checking;
+mod debugger;
 mod line;
 mod noise;
 mod operator;
