@@ -16,6 +16,7 @@ pub const fn full_steps(timer_hz: u32) -> u32 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<R> {
     full_steps: R,
+    most_steps: R,
 }
 
 /// What a motor's amplifier is told: a whole number of PWM steps, negative for reverse.
@@ -25,10 +26,16 @@ pub struct Duty<R>(R);
 impl<R: Real> Drive<R> {
     /// With this many compare steps from zero to full voltage, at most 2^16.
     pub fn new(full_steps: u32) -> Self {
-        Self { full_steps: R::from_i32(full_steps.cast_signed()) }
+        Self::limited(full_steps, full_steps)
     }
 
-    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most full either way. Zero
+    /// The same, but never more than `most_steps` either way: for bridges that cannot hold a static level.
+    pub fn limited(full_steps: u32, most_steps: u32) -> Self {
+        let [full_steps, most_steps] = [full_steps, most_steps].map(|steps| R::from_i32(steps.cast_signed()));
+        Self { full_steps, most_steps }
+    }
+
+    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most the limit either way. Zero
     /// for both motors if anything is not finite or the supply is not above zero: this is the only way to a
     /// duty.
     #[inline(always)]
@@ -43,7 +50,7 @@ impl<R: Real> Drive<R> {
         steps.map(
             #[inline(always)]
             |steps| {
-                let steps = steps.clamp(-self.full_steps, self.full_steps).round_small();
+                let steps = steps.clamp(-self.most_steps, self.most_steps).round_small();
                 Duty(R::select(sound, steps, R::zero()))
             },
         )
@@ -88,6 +95,21 @@ mod tests {
                 let reachable = asked.clamp(-supply, supply);
                 prop_assert!((given - reachable).abs() <= 0.5001 * supply / 2100.0);
             }
+        }
+    }
+
+    #[test]
+    fn a_limited_drive_never_reaches_the_full_supply_and_is_the_same_below() {
+        let (full, limited) = (Drive::<f32>::new(PWM_STEPS), Drive::<f32>::limited(PWM_STEPS, 2037));
+        for volts in [-40.0, -24.0, 24.0, 40.0] {
+            assert_eq!(full.duty(PerMotor::both(volts), 24.0).main.steps().abs(), 2100);
+            let duty = limited.duty(PerMotor::both(volts), 24.0);
+            assert_eq!(duty.main.steps().abs(), 2037);
+            assert_eq!(limited.volts(duty, 24.0).main.abs(), 2037.0 * (24.0 / 2100.0));
+        }
+        for volts in [-23.0, -0.1, 0.0, 11.0, 23.0] {
+            let volts = PerMotor::both(volts);
+            assert_eq!(limited.duty(volts, 24.0), full.duty(volts, 24.0));
         }
     }
 

@@ -1,17 +1,19 @@
-//! The status LED: one slow blink, disarmed; steady, ready; quick, motors may turn; two flashes, fault.
+//! The status LED: one slow blink, disarmed; steady, ready; quick, motors may turn; two flashes, fault; three,
+//! the board itself is not as it should be, whatever the state.
 
 use crate::shared::LED_PATTERN;
 use core::sync::atomic::Ordering;
 use embassy_stm32::gpio::{Level, Output};
 use embassy_time::{Duration, Ticker};
-use twinrotor::supervisor::ArmState;
+use twinrotor::supervisor::{ArmState, Conditions};
 
 /// \[ms\] One bit of a pattern; a pattern is eight.
 const BIT_MS: u64 = 125;
 
-/// The pattern for a state, a bit at a time from the lowest.
-pub(crate) const fn pattern(state: ArmState) -> u8 {
+/// The pattern for a state and what is wrong with the board, a bit at a time from the lowest.
+pub(crate) const fn pattern(state: ArmState, board: Conditions) -> u8 {
     match state {
+        _ if !board.is_empty() => 0b0001_0101,
         ArmState::Disarmed => 0b0000_1111,
         ArmState::Ready => 0b1111_1111,
         ArmState::Checking | ArmState::Armed => 0b0101_0101,

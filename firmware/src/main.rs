@@ -18,15 +18,23 @@ mod critical;
 #[cfg(target_os = "none")]
 mod emergency_stop;
 #[cfg(target_os = "none")]
+mod flash_cache;
+#[cfg(target_os = "none")]
 mod led;
 #[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
 mod nonce;
+#[cfg(target_os = "none")]
+mod oscillator;
 #[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]
 mod port;
 #[cfg(target_os = "none")]
 mod quiesce;
+#[cfg(target_os = "none")]
+mod receiver;
 #[cfg(target_os = "none")]
 mod reset_record;
 #[cfg(target_os = "none")]
@@ -46,27 +54,27 @@ mod watchdog;
 
 #[cfg(target_os = "none")]
 use defmt_rtt as _;
-#[cfg(target_os = "none")]
-use twinrotor::parameters::Provenance;
 
 #[cfg(target_os = "none")]
 #[embassy_executor::main]
 async fn main(spawner: embassy_executor::Spawner) {
     critical::lower_all_interrupts();
     stack::guard();
+    watchdog::start();
     let reset = reset_record::read_and_clear();
     let board = board::start();
     reset_record::listen_to_supply();
     let (storage, parameters, provenance) = storage::Storage::load(board.flash);
-    let (reports, commands) =
-        tick::start(board.clock, board.port, &parameters, provenance, reset.map(|report| report.cause));
-    defmt::info!(
-        "{}: reset reported {}, parameters from flash {}",
-        boards::BOARD.name,
-        reset.is_some(),
-        provenance == Provenance::Stored
+    let (reports, commands) = tick::start(
+        board.clock,
+        board.port,
+        board.standing,
+        (&parameters, provenance),
+        reset.map(|r| r.cause),
     );
-    serial::start(spawner, board.serial, storage, (parameters, provenance), reset, reports, commands);
+    log::boot(boards::BOARD.name, reset, provenance);
+    let line = (board.serial_in, board.serial_out);
+    serial::start(spawner, line, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));
 }
 

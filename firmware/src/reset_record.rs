@@ -39,11 +39,12 @@ unsafe impl Sync for Kept {}
 static RESET_RECORD: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// What the note's code means.
-const CAUSES: [Condition; 4] = [
+const CAUSES: [Condition; 5] = [
     Condition::ResetByPanic,
     Condition::ResetByFault,
     Condition::ResetByStackOverflow,
     Condition::ResetByBrownOut,
+    Condition::ResetByClock,
 ];
 
 /// What ended the program before this boot, if it should not have; forgets it.
@@ -127,7 +128,9 @@ mod hard_fault {
 /// Any fault: none of the others is enabled, so all of them arrive here.
 extern "C" fn fault(stack_pointer: u32) -> ! {
     Port::off();
-    const STACKING_FAILED: u32 = 1 << 12 | 1 << 4;
+    // Of the memory's protection and of the bus, of the integer and, lazily, of the floating-point registers:
+    // MSTKERR, MLSPERR, STKERR, LSPERR (ARMv7-M reference manual, B3.2.15).
+    const STACKING_FAILED: u32 = 1 << 4 | 1 << 5 | 1 << 12 | 1 << 13;
     /// \[byte\] Of an exception's frame, with the floating-point registers.
     const FRAME: u32 = 104;
     let (start, end_of_stack) = stack::bounds();
@@ -156,11 +159,20 @@ unsafe fn DefaultHandler(_: i16) -> ! {
     end(Condition::ResetByFault, 0)
 }
 
-/// From here on, 2.9 V on the chip's own supply end the program: the amplifiers must not outlive it.
+/// The clock security has found that the crystal stopped, and has broken the PWM.
+#[exception]
+#[allow(unsafe_code, reason = "the attribute asks for it")]
+unsafe fn NonMaskableInt() -> ! {
+    end(Condition::ResetByClock, 0)
+}
+
+/// From here on, 2.84 V (2.75 to 2.92) on the chip's own supply end the program: the amplifiers must not
+/// outlive it. A board of 3.0 V keeps clear of that, and the flash is written from 2.7 V on.
 pub(crate) fn listen_to_supply() {
     const LINE: usize = 16;
+    const LEVEL: u8 = 5;
     pac::PWR.cr1().modify(|w| {
-        w.set_pls(7);
+        w.set_pls(LEVEL);
         w.set_pvde(true);
     });
     pac::EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
@@ -171,6 +183,10 @@ pub(crate) fn listen_to_supply() {
     // SAFETY: its handler does not return.
     unsafe {
         detector.enable();
+    }
+    // Below already: there will be no edge.
+    if pac::PWR.csr1().read().pvdo() {
+        end(Condition::ResetByBrownOut, 0);
     }
 }
 

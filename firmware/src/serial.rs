@@ -1,15 +1,16 @@
-//! The serial link: bytes in and out, both by DMA, never in the way of a tick. What is answered is the core's
+//! The serial link: bytes in ([`crate::receiver`]) and out by DMA, never in the way of a tick. What is answered is the core's
 //! [`Conversation`]; here is what it asks for: flash, and the tick.
 
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;
-use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_CYCLES_MAX, TICKS};
+use crate::receiver::Receiver;
+use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_COUNTS_MAX, TICKS};
 use crate::storage::Storage;
-use crate::{nonce, stack, tick, wake};
+use crate::{clock, log, nonce, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_executor::Spawner;
 use embassy_stm32::mode::Async;
-use embassy_stm32::usart::{RingBufferedUartRx, Uart, UartTx};
+use embassy_stm32::usart::UartTx;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
 use static_cell::StaticCell;
@@ -31,17 +32,14 @@ static STALE: AtomicU32 = AtomicU32::new(0);
 /// Spawns both directions.
 pub(crate) fn start(
     spawner: Spawner,
-    uart: Uart<'static, Async>,
+    (receiver, sender): (Receiver, UartTx<'static, Async>),
     storage: Storage,
     (parameters, provenance): (Parameters, Provenance),
     reset: Option<ResetReport>,
     reports: Reports,
     commands: Commands,
 ) {
-    static DMA_BUFFER: StaticCell<[u8; 512]> = StaticCell::new();
     static CONVERSATION: StaticCell<Conversation> = StaticCell::new();
-    let (sender, receiver) = uart.split();
-    let receiver = receiver.into_ring_buffered(DMA_BUFFER.init([0; 512]));
     let board = Board { firmware: env!("CARGO_PKG_VERSION"), chip: BOARD.chip, nonce: nonce::draw(), reset };
     let conversation = CONVERSATION.init_with(|| Conversation::new(board, parameters, provenance));
     let operator = Operator { storage, conversation, commands };
@@ -51,19 +49,17 @@ pub(crate) fn start(
 
 /// Takes messages as they come.
 #[embassy_executor::task]
-async fn receive(mut uart: RingBufferedUartRx<'static>, mut operator: Operator) {
+async fn receive(mut receiver: Receiver, mut operator: Operator) {
     static DECODER: StaticCell<Decoder> = StaticCell::new();
     let decoder = DECODER.init(Decoder::new());
-    let mut bytes = [0; 64];
     answer(operator.conversation.identity()).await;
     loop {
-        // Noise on the line, or more than we can take: what is lost fails its CRC.
-        let Ok(count) = uart.read(&mut bytes).await else { continue };
-        for &byte in bytes.iter().take(count) {
+        while let Some(byte) = receiver.next() {
             if let Some(received) = decoder.push(byte) {
                 operator.deal_with(received).await;
             }
         }
+        wake::bytes().await;
     }
 }
 
@@ -75,6 +71,7 @@ async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     let mut outgoing = Outgoing::new();
     wake::listen();
     loop {
+        reports.log();
         match outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports) {
             Some(message) => transmit(&mut uart, &message, buffer).await,
             None => wake::woken().await,
@@ -89,13 +86,31 @@ async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &
     }
 }
 
+impl Reports {
+    fn log(&mut self) {
+        while let Some(change) = self.changes.dequeue() {
+            log::change(&change);
+        }
+        let longest = longest_tick();
+        if longest > self.longest_tick {
+            self.longest_tick = longest;
+            log::longest_tick(longest);
+        }
+    }
+}
+
+/// \[cycles\] Since boot.
+fn longest_tick() -> u32 {
+    TICK_COUNTS_MAX.load(Ordering::Relaxed).saturating_mul(clock::CYCLES)
+}
+
 impl Waiting for Reports {
     fn answer(&mut self) -> Option<ToHost> {
         ANSWERS.try_receive().ok()
     }
 
     fn verdict(&mut self) -> Option<Verdict> {
-        self.verdicts.dequeue()
+        self.verdicts.dequeue().inspect(|&verdict| log::verdict(verdict))
     }
 
     fn frame(&mut self) -> Option<Frame> {
@@ -108,7 +123,7 @@ impl Waiting for Reports {
             frames_dropped: FRAMES_DROPPED.load(Ordering::Relaxed),
             messages_rejected: REJECTED.load(Ordering::Relaxed),
             messages_stale: STALE.load(Ordering::Relaxed),
-            tick_cycles_max: TICK_CYCLES_MAX.load(Ordering::Relaxed),
+            tick_cycles_max: longest_tick(),
             stack_used,
             stack_size,
         }
@@ -125,9 +140,16 @@ struct Operator {
 
 impl Operator {
     async fn deal_with(&mut self, received: Result<Numbered<ToBoard>, LinkError>) {
+        if let Err(error) = received {
+            log::rejected(error);
+        }
         let response = self.conversation.receive(received, self.commands.ready());
         REJECTED.store(self.conversation.rejected(), Ordering::Relaxed);
-        STALE.store(self.conversation.stale(), Ordering::Relaxed);
+        let stale = self.conversation.stale();
+        if stale != STALE.load(Ordering::Relaxed) {
+            log::stale(stale);
+        }
+        STALE.store(stale, Ordering::Relaxed);
         if response.heard {
             HEARD.store(true, Ordering::Relaxed);
         }
@@ -152,12 +174,16 @@ impl Operator {
         let aside = TickAside::ask().await.ok_or(Refusal::MotorsMayTurn)?;
         self.storage.save(parameters)?;
         tick::adopt(parameters, &aside);
+        log::saved();
         Ok(())
     }
 }
 
 /// Hands an answer to the sender.
 async fn answer(message: ToHost) {
+    if let ToHost::Refused(refusal) = &message {
+        log::refusal(refusal);
+    }
     ANSWERS.send(message).await;
     wake::wake_from_thread();
 }

@@ -1,5 +1,6 @@
 //! What the tick and the thread tell each other, without a lock.
 
+use crate::log::Change;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 use heapless::spsc::Consumer;
 use twinrotor::conversation::commands;
@@ -9,10 +10,15 @@ use twinrotor::telemetry::Frame;
 /// Room for 80 ms of telemetry at 200 frames a second.
 pub(crate) const FRAMES: usize = 16;
 pub(crate) const VERDICTS: usize = 2;
+/// Changes of state or conditions for the log; those that find no room are not logged.
+pub(crate) const CHANGES: usize = 8;
 /// The thread's end of what the tick reports.
 pub(crate) struct Reports {
     pub(crate) frames: Consumer<'static, Frame>,
     pub(crate) verdicts: Consumer<'static, Verdict>,
+    pub(crate) changes: Consumer<'static, Change>,
+    /// \[cycles\] The longest tick that was logged.
+    pub(crate) longest_tick: u32,
 }
 pub(crate) type Commands = commands::Sender<'static>;
 
@@ -24,8 +30,8 @@ pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
 pub(crate) static FRAME_EVERY: AtomicU16 = AtomicU16::new(5);
 /// Frames that found the queue full.
 pub(crate) static FRAMES_DROPPED: AtomicU32 = AtomicU32::new(0);
-/// \[cycles\] Longest tick.
-pub(crate) static TICK_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
+/// \[counts of the stopwatch\] Longest tick.
+pub(crate) static TICK_COUNTS_MAX: AtomicU32 = AtomicU32::new(0);
 /// Ticks since boot.
 pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
 /// The emergency stop's edge, kept for the next tick.

@@ -1,6 +1,6 @@
 //! The parameters on flash.
 
-use crate::watchdog;
+use crate::{flash_cache, watchdog};
 use embassy_stm32::flash::{Bank1Region1, Blocking};
 use twinrotor::parameters::store::{AREA_OFFSET, SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError, Parameters, Provenance};
@@ -21,7 +21,9 @@ impl Storage {
 
     /// Writes the parameters; the motors are off, and ticks may be missed meanwhile.
     pub(crate) fn save(&mut self, new: &Parameters) -> Result<(), ParameterError> {
-        watchdog::lengthened(|| parameters::save(&mut self.store, new, &mut self.buffer))
+        watchdog::lengthened(|| {
+            flash_cache::without(|| parameters::save(&mut self.store, new, &mut self.buffer))
+        })
     }
 }
 

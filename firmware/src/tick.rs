@@ -1,17 +1,17 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
 use crate::clock::{self, Clock};
+use crate::log::Change;
 use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
-    Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
-    TICK_CYCLES_MAX, TICKS, VERDICTS, take,
+    CHANGES, Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
+    TICK_COUNTS_MAX, TICKS, VERDICTS, take,
 };
 use crate::{led, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
-use cortex_m::peripheral::{DCB, DWT};
 use embassy_stm32::interrupt;
 use heapless::spsc::{Producer, Queue};
 use static_cell::StaticCell;
@@ -20,11 +20,11 @@ use twinrotor::control_loop::{ControlLoop, Inputs};
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::{Parameters, Provenance};
-use twinrotor::supervisor::{Condition, Conditions};
+use twinrotor::supervisor::{ArmState, Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
-/// \[cycles\] More than this from one tick to the next, and one has been missed.
-const TOO_LATE: u32 = clock::CYCLES * 3 / 2;
+/// \[counts\] More than this from one tick to the next, and one has been missed.
+const TOO_LATE: u32 = clock::COUNTS * 3 / 2;
 
 /// What the interrupt owns beside the control loop.
 struct Tick<P> {
@@ -33,6 +33,8 @@ struct Tick<P> {
     commands: commands::Receiver<'static>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
+    changes: Producer<'static, Change>,
+    last: (ArmState, Conditions),
     until_frame: u16,
     last_begin: u32,
     /// The last tick ended too late, or this one began too late.
@@ -42,8 +44,9 @@ struct Tick<P> {
 /// What the thread has while the tick stands aside.
 struct Control {
     core: ControlLoop,
-    /// What the parameters' provenance says against arming.
+    /// What the parameters' provenance says against arming, and what the board itself does.
     standing: Conditions,
+    board: Conditions,
 }
 
 struct OfTheInterrupt<T>(UnsafeCell<MaybeUninit<T>>);
@@ -56,21 +59,22 @@ unsafe impl<T> Sync for OfTheInterrupt<T> {}
 static TICK: OfTheInterrupt<Tick<Port>> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 static CONTROL: OfTheInterrupt<Control> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// Starts the watchdog and the tick.
+/// Starts the tick, with the watchdog at its heels.
 pub(crate) fn start(
     clock: Clock,
     mut port: Port,
-    parameters: &Parameters,
-    provenance: Provenance,
+    board: Conditions,
+    (parameters, provenance): (&Parameters, Provenance),
     reset_cause: Option<Condition>,
 ) -> (Reports, Commands) {
     static FRAME_QUEUE: StaticCell<Queue<Frame, FRAMES>> = StaticCell::new();
     static VERDICT_QUEUE: StaticCell<Queue<Verdict, VERDICTS>> = StaticCell::new();
+    static CHANGE_QUEUE: StaticCell<Queue<Change, CHANGES>> = StaticCell::new();
     static COMMAND_QUEUE: StaticCell<commands::Commands> = StaticCell::new();
     let (frames, frame_end) = FRAME_QUEUE.init(Queue::new()).split();
     let (verdicts, verdict_end) = VERDICT_QUEUE.init(Queue::new()).split();
+    let (changes, change_end) = CHANGE_QUEUE.init(Queue::new()).split();
     let (wish_end, commands) = COMMAND_QUEUE.init(Queue::new()).split();
-    start_cycle_counter();
     #[expect(unsafe_code, reason = "the interrupt is not enabled yet")]
     // SAFETY: nobody else uses them now.
     unsafe {
@@ -82,7 +86,8 @@ pub(crate) fn start(
                 port.drive(),
                 reset_cause,
             ),
-            standing: provenance.conditions(),
+            standing: provenance.conditions().union(board),
+            board,
         });
         (*TICK.0.get()).write(Tick {
             clock,
@@ -90,14 +95,17 @@ pub(crate) fn start(
             commands,
             frames,
             verdicts,
+            changes,
+            last: (ArmState::Disarmed, Conditions::NONE),
             until_frame: 0,
-            last_begin: DWT::cycle_count(),
+            last_begin: clock.now(),
             overrun: false,
         });
     }
-    watchdog::start();
+    watchdog::guard_ticks();
     clock.run();
-    (Reports { frames: frame_end, verdicts: verdict_end }, wish_end)
+    let reports = Reports { frames: frame_end, verdicts: verdict_end, changes: change_end, longest_tick: 0 };
+    (reports, wish_end)
 }
 
 /// Other parameters for the tick, which stands aside.
@@ -106,7 +114,7 @@ pub(crate) fn adopt(parameters: &Parameters, _: &TickAside) {
     // SAFETY: there is one `TickAside` at a time, and while there is, the interrupt does not touch `CONTROL`.
     let control = unsafe { (*CONTROL.0.get()).assume_init_mut() };
     control.core.adopt(parameters);
-    control.standing = Conditions::NONE;
+    control.standing = control.board;
 }
 
 #[interrupt]
@@ -120,7 +128,7 @@ fn TIM1_UP_TIM10() {
 impl<P: PlantPort> Tick<P> {
     #[inline(always)]
     fn run(&mut self) {
-        let begin = DWT::cycle_count();
+        let begin = self.clock.now();
         self.clock.take_tick();
         let missed = begin.wrapping_sub(self.last_begin) > TOO_LATE;
         self.last_begin = begin;
@@ -133,9 +141,10 @@ impl<P: PlantPort> Tick<P> {
         } else {
             self.control(control(), &sensed, missed);
         }
-        let cycles = DWT::cycle_count().wrapping_sub(begin);
-        if cycles > TICK_CYCLES_MAX.load(Ordering::Relaxed) {
-            TICK_CYCLES_MAX.store(cycles, Ordering::Relaxed);
+        wake::wake();
+        let taken = self.clock.now().wrapping_sub(begin);
+        if taken > TICK_COUNTS_MAX.load(Ordering::Relaxed) {
+            TICK_COUNTS_MAX.store(taken, Ordering::Relaxed);
         }
         self.overrun = self.clock.tick_due();
         if sensed.fresh && !self.overrun && !missed {
@@ -171,31 +180,24 @@ impl<P: PlantPort> Tick<P> {
             // There is one verdict a check, and checks take seconds: there is room.
             let _ = self.verdicts.enqueue(verdict);
         }
-        self.report(&control.core);
+        self.report(control);
     }
 
     #[inline(always)]
-    fn report(&mut self, control: &ControlLoop) {
-        LED_PATTERN.store(led::pattern(control.state()), Ordering::Relaxed);
-        TICKS.store(control.next_tick(), Ordering::Relaxed);
+    fn report(&mut self, control: &Control) {
+        LED_PATTERN.store(led::pattern(control.core.state(), control.board), Ordering::Relaxed);
+        let (tick, now) = (control.core.next_tick(), (control.core.state(), control.core.conditions()));
+        TICKS.store(tick, Ordering::Relaxed);
+        if now != self.last {
+            self.last = now;
+            let _ = self.changes.enqueue(Change { tick, state: now.0, conditions: now.1 });
+        }
         self.until_frame = self.until_frame.saturating_sub(1);
         if self.until_frame == 0 {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
-            if self.frames.enqueue(control.frame()).is_err() {
+            if self.frames.enqueue(control.core.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
-            wake::wake();
         }
-    }
-}
-
-fn start_cycle_counter() {
-    const TRACE: u32 = 1 << 24;
-    const COUNT_CYCLES: u32 = 1;
-    #[expect(unsafe_code, reason = "registers of the core")]
-    // SAFETY: nobody else uses the debug unit's counter.
-    unsafe {
-        (*DCB::PTR).demcr.modify(|bits| bits | TRACE);
-        (*DWT::PTR).ctrl.modify(|bits| bits | COUNT_CYCLES);
     }
 }

@@ -14,11 +14,16 @@ struct Period(Pr, u16);
 /// 10 ms nominal.
 const NORMAL: Period = Period(Pr::DIVIDE_BY4, 79);
 /// 4 s nominal, 2.7 s at least: a 16 KiB sector takes up to .5 s to erase.
-const ERASING: Period = Period(Pr::DIVIDE_BY64, 1999);
+const LONG: Period = Period(Pr::DIVIDE_BY64, 1999);
 
-/// Starts it; there is no way back.
+/// Starts it; there is no way back. What comes before the first tick has the longer period.
 pub(crate) fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
+    set(&LONG);
+}
+
+/// From now on ticks must come.
+pub(crate) fn guard_ticks() {
     set(&NORMAL);
 }
 
@@ -29,19 +34,29 @@ pub(crate) fn feed() {
 
 /// Runs `work`, which may stall the core for up to 2.7 s.
 pub(crate) fn lengthened<T>(work: impl FnOnce() -> T) -> T {
-    set(&ERASING);
+    set(&LONG);
     let done = work();
     set(&NORMAL);
     done
 }
 
+/// A tick that feeds between the first of these writes and the last would lock the two registers again, and
+/// the last would be lost: so nothing comes between, not even a tick, and what came of it is looked at.
+#[inline(never)]
 fn set(period: &Period) {
-    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
-    // Each takes up to five LSI cycles to arrive; a write before that is lost.
-    while IWDG.sr().read().pvu() {}
-    IWDG.pr().write(|w| w.set_pr(period.0));
-    while IWDG.sr().read().rvu() {}
-    IWDG.rlr().write(|w| w.set_rl(period.1));
-    while IWDG.sr().read().0 != 0 {}
+    while !holds(period) {
+        cortex_m::interrupt::free(|_| {
+            IWDG.kr().write(|w| w.set_key(Key::ENABLE));
+            IWDG.pr().write(|w| w.set_pr(period.0));
+            IWDG.rlr().write(|w| w.set_rl(period.1));
+        });
+    }
     feed();
+}
+
+/// Is `period` in force? Waits for what was written before, which takes up to five LSI cycles to arrive;
+/// until then the registers read as before, and a write is lost.
+fn holds(period: &Period) -> bool {
+    while IWDG.sr().read().0 != 0 {}
+    IWDG.pr().read().pr() == period.0 && IWDG.rlr().read().rl() == period.1
 }

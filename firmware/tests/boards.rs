@@ -3,7 +3,7 @@
 #[path = "../src/boards/mod.rs"]
 mod boards;
 
-use boards::{Board, Pin, Source, f405, f407, nucleo_f446};
+use boards::{Board, INTERNAL_HZ, Pin, Source, Stream, f405, f407, nucleo_f446};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -58,6 +58,27 @@ fn clocks_are_whole_and_within_the_chips_limits() {
         assert!(c.core_hz() <= 168_000_000 && c.core_hz().is_multiple_of(1_000_000), "{name}");
         assert!(c.core_hz() / u32::from(c.apb1_divide) <= 42_000_000, "{name}");
         assert!(c.core_hz() / u32::from(c.apb2_divide) <= 84_000_000, "{name}");
+    }
+}
+
+#[test]
+fn without_its_crystal_a_board_is_as_fast_and_the_stopwatch_counts_whole_cycles() {
+    for board in ALL {
+        let (name, c) = (board.name, &board.clocks);
+        let input = INTERNAL_HZ / u32::from(c.fallback_divide());
+        assert!((1_000_000..=2_000_000).contains(&input), "{name}: {input} Hz into the PLL");
+        assert_eq!(input * u32::from(c.multiply) / u32::from(c.post_divide), c.core_hz(), "{name}");
+        assert!(c.slow_timer_hz().is_multiple_of(1_000), "{name}");
+        assert!(c.core_hz().is_multiple_of(c.slow_timer_hz()), "{name}");
+    }
+}
+
+/// RM0090, table 42: USART2's receiver is DMA1's stream 5.
+#[test]
+fn the_serial_ports_stream_is_its_own() {
+    for board in ALL {
+        assert_eq!(board.wiring.serial, "USART2", "{}", board.name);
+        assert_eq!(Stream::named(board.wiring.serial_in_dma), Stream { controller: 1, number: 5 });
     }
 }
 

@@ -149,6 +149,12 @@ impl ControlLoop {
         self.supervisor.state()
     }
 
+    /// What was wrong in the last tick.
+    #[inline(always)]
+    pub fn conditions(&self) -> Conditions {
+        self.conditions
+    }
+
     fn is_armed(&self) -> bool {
         matches!(self.supervisor.state(), ArmState::Armed)
     }

@@ -40,6 +40,7 @@ pub struct Push {
 
 /// What the check found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Both motors turn the rig as the model says.
     Passed,
@@ -56,6 +57,7 @@ pub enum Verdict {
 
 /// One of the two motors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Motor {
     /// See [`PerMotor::main`].
     Main,
@@ -65,6 +67,7 @@ pub enum Motor {
 
 /// What is connected wrongly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Fault {
     /// Main and tail motor are swapped.
     MotorsSwapped,

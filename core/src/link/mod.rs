@@ -201,6 +201,7 @@ pub struct Identity {
 
 /// The circumstances of a reset that should not have been.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResetReport {
     /// Why.
     pub cause: Condition,
@@ -212,6 +213,7 @@ pub struct ResetReport {
 
 /// Why the board will not.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// Only while disarmed.
     MotorsMayTurn,

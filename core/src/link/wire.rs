@@ -16,6 +16,7 @@ const CRC_SIZE: usize = 4;
 
 /// Why bytes are no message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LinkError {
     /// Longer than [`MAX_FRAME`] or [`MAX_MESSAGE`].
     TooLong,

@@ -113,6 +113,7 @@ pub enum ParameterError {
 
 /// Where the parameters in force come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Provenance {
     /// From flash.
     Stored,

@@ -95,5 +95,5 @@ const fn f32_from_i32(value: i32) -> f32 {
     value as f32
 }
 
-scalar!(f32, ROUND_F32, libm::sqrtf, super::trig::sin_cos, f32_from_f64, f32_from_i32);
+scalar!(f32, ROUND_F32, twinrotor_root::sqrt, super::trig::sin_cos, f32_from_f64, f32_from_i32);
 scalar!(f64, 6_755_399_441_055_744.0, libm::sqrt, libm::sincos, f64::from, f64::from);

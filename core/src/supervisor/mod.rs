@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 /// What can be wrong, by name. The number is the bit in [`Conditions`] and the number on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Condition {
     /// The emergency stop is pressed or its cable is broken.
     EmergencyStop,
@@ -64,11 +65,17 @@ pub enum Condition {
     ResetByStackOverflow,
     /// The board's own supply broke down before this boot.
     ResetByBrownOut,
+    /// The board's crystal stopped before this boot.
+    ResetByClock,
+    /// The board's crystal is missing or of another frequency: it runs from its inexact internal oscillator.
+    ClockFallback,
+    /// The firmware is built for a debugger, which may stop it at any place.
+    DebugBuild,
 }
 
 impl Condition {
     /// Every condition, in the order of its bit.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 27] = [
         Self::EmergencyStop,
         Self::CurrentLimit,
         Self::SupplyRange,
@@ -93,6 +100,9 @@ impl Condition {
         Self::ResetByFault,
         Self::ResetByStackOverflow,
         Self::ResetByBrownOut,
+        Self::ResetByClock,
+        Self::ClockFallback,
+        Self::DebugBuild,
     ];
 
     const fn bit(self) -> u32 {
@@ -129,8 +139,9 @@ impl Conditions {
     ]);
 
     /// What prevents the first-power check beside the hazards: without the rig's parameters, nobody knows how
-    /// far its motors may be driven.
-    pub const NO_CHECK: Self = Self::of(&[Condition::ParametersMissing]);
+    /// far its motors may be driven, and a board that is not as it should be drives none.
+    pub const NO_CHECK: Self =
+        Self::of(&[Condition::ParametersMissing, Condition::ClockFallback, Condition::DebugBuild]);
 
     /// The set of these conditions.
     #[must_use]
@@ -186,8 +197,19 @@ impl Conditions {
     }
 }
 
+/// By their names.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Conditions {
+    fn format(&self, to: defmt::Formatter<'_>) {
+        defmt::write!(to, "[ ");
+        self.iter().for_each(|condition| defmt::write!(to, "{} ", condition));
+        defmt::write!(to, "]");
+    }
+}
+
 /// Whether the motors may turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ArmState {
     /// Motors off; at least one reason prevents arming.
     #[default]
@@ -228,6 +250,7 @@ impl ArmState {
 
 /// What the operator asks of the supervisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
     /// Let the law turn the motors.
     Arm,

@@ -89,11 +89,16 @@ fn ready_means_that_nothing_prevents_arming() {
 }
 
 #[test]
-fn the_check_starts_without_zero_but_not_with_a_hazard_or_without_the_rigs_parameters() {
-    let parameters = Conditions::of(&[Condition::ParametersMissing, Condition::ParametersInvalid]);
+fn the_check_starts_without_zero_but_not_with_a_hazard_nor_on_a_board_that_is_not_as_it_should_be() {
+    let board = Conditions::of(&[
+        Condition::ParametersMissing,
+        Condition::ParametersInvalid,
+        Condition::ClockFallback,
+        Condition::DebugBuild,
+    ]);
     for (from, request, present, to) in every_case() {
         if request == Some(Request::Check) && matches!(from, ArmState::Disarmed | ArmState::Ready) {
-            let prevents = Conditions::HAZARDS.union(parameters);
+            let prevents = Conditions::HAZARDS.union(board);
             assert_eq!(to == ArmState::Checking, present.intersection(prevents).is_empty());
         }
     }

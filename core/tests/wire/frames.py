@@ -79,7 +79,7 @@ def to_host():
     conditions = whole(1 << 23 | 1 << 4 | 1)
     for number, state in enumerate(["disarmed", "ready", "checking", "armed"]):
         yield f"frame-{state}", whole(0) + whole(86_400_000) + whole(number) + conditions + tail
-    for number in range(24):
+    for number in range(27):
         yield f"frame-fault-{number}", whole(0) + whole(1) + whole(4) + whole(number) + whole(0) + tail
     yield "health", whole(1) + whole(1) + whole(2) + whole(3) + whole(150_000) + whole(4) + whole(16_384)
     identity = whole(2) + text("0.1.0") + text("stm32f405rg") + whole(RECORD_VERSION)

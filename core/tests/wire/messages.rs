@@ -119,6 +119,9 @@ fn frames() -> Vec<(String, ToHost)> {
         Condition::ResetByFault,
         Condition::ResetByStackOverflow,
         Condition::ResetByBrownOut,
+        Condition::ResetByClock,
+        Condition::ClockFallback,
+        Condition::DebugBuild,
     ];
     let latched = faults.iter().enumerate();
     let latched =

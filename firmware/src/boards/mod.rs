@@ -54,6 +54,9 @@ impl Board {
     }
 }
 
+/// \[Hz\] Of the chip's internal oscillator, to a percent at room temperature, to 8 % anywhere.
+pub(crate) const INTERNAL_HZ: u32 = 16_000_000;
+
 /// From the source to the core and the buses: core = source / `divide` x `multiply` / `post_divide`.
 pub(crate) struct Clocks {
     /// What swings.
@@ -78,6 +81,20 @@ impl Clocks {
         self.source_hz / self.divide as u32 * self.multiply as u32 / self.post_divide as u32
     }
 
+    /// From the internal oscillator to the same frequency: the PLL's input divider in place of `divide`.
+    #[expect(clippy::cast_possible_truncation, reason = "asserted")]
+    pub(crate) const fn fallback_divide(&self) -> u8 {
+        let divide = INTERNAL_HZ * self.divide as u32 / self.source_hz;
+        assert!(divide <= 63 && divide * self.source_hz == INTERNAL_HZ * self.divide as u32);
+        divide as u8
+    }
+
+    /// \[Hz\] Of the timers on the slow bus: twice the bus, unless it is as fast as the core.
+    pub(crate) const fn slow_timer_hz(&self) -> u32 {
+        let bus = self.core_hz() / self.apb1_divide as u32;
+        if self.apb1_divide == 1 { bus } else { 2 * bus }
+    }
+
     /// \[Hz\] Of TIM1: twice its bus, unless the bus is as fast as the core (RM0090, 7.2).
     pub(crate) const fn pwm_timer_hz(&self) -> u32 {
         let bus = self.core_hz() / self.apb2_divide as u32;
@@ -86,7 +103,6 @@ impl Clocks {
 }
 
 /// A board's high-speed clock. A board's file names the one it has.
-#[cfg_attr(target_os = "none", expect(dead_code, reason = "other boards have the other"))]
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     /// A crystal at the chip's two pins.
@@ -170,12 +186,56 @@ impl Pin {
     }
 }
 
+/// A DMA stream, by numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Stream {
+    /// 1 or 2.
+    pub(crate) controller: u8,
+    /// 0 to 7.
+    pub(crate) number: u8,
+}
+
+impl Stream {
+    /// From its name: `DMA1_CH5`.
+    pub(crate) const fn named(name: &str) -> Self {
+        let bytes = name.as_bytes();
+        assert!(bytes.len() == 8 && bytes[0] == b'D' && bytes[6] == b'H');
+        let (controller, number) = (bytes[3] - b'0', bytes[7] - b'0');
+        assert!((controller == 1 || controller == 2) && number < 8);
+        Self { controller, number }
+    }
+}
+
+#[cfg(target_os = "none")]
+impl Stream {
+    const fn unit(self) -> embassy_stm32::pac::dma::Dma {
+        if self.controller == 1 { embassy_stm32::pac::DMA1 } else { embassy_stm32::pac::DMA2 }
+    }
+
+    /// Its registers.
+    pub(crate) const fn registers(self) -> embassy_stm32::pac::dma::St {
+        self.unit().st(self.number as usize)
+    }
+
+    /// Takes back what its flags say, without which it does not start.
+    pub(crate) fn forget_flags(self) {
+        let (half, place) = (usize::from(self.number / 4), usize::from(self.number % 4));
+        self.unit().ifcr(half).write(|w| {
+            w.set_feif(place, true);
+            w.set_dmeif(place, true);
+            w.set_teif(place, true);
+            w.set_htif(place, true);
+            w.set_tcif(place, true);
+        });
+    }
+}
+
 /// What is connected where: a constant of names, and on the target the pins and peripherals themselves.
 macro_rules! wiring {
     (
         pitch_timer: $pitch:ident, yaw_timer: $yaw:ident,
         serial: $serial:ident,
-        serial_out_dma: $out:ident ($out_stream:ident), serial_in_dma: $in:ident ($in_stream:ident),
+        serial_out_dma: $out:ident ($out_stream:ident), serial_in_dma: $in:ident,
         $($what:ident: $pin:ident),* $(,)?
     ) => {
         const WIRING: super::Wiring = super::Wiring {
@@ -192,16 +252,21 @@ macro_rules! wiring {
 
         #[cfg(target_os = "none")]
         mod on_chip {
-            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, pac, peripherals, usart};
+            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, pac, peripherals};
 
             pub(crate) type PitchTimer = peripherals::$pitch;
             pub(crate) type YawTimer = peripherals::$yaw;
 
             bind_interrupts!(pub(crate) struct SerialInterrupts {
-                $serial => usart::InterruptHandler<peripherals::$serial>;
                 $out_stream => dma::InterruptHandler<peripherals::$out>;
-                $in_stream => dma::InterruptHandler<peripherals::$in>;
             });
+
+            pub(crate) type Serial = peripherals::$serial;
+            /// The port of the serial link.
+            pub(crate) const SERIAL: pac::usart::Usart = pac::$serial;
+            /// Its stream from the host.
+            pub(crate) const SERIAL_IN: crate::boards::Stream =
+                crate::boards::Stream::named(stringify!($in));
 
             /// Does each encoder's timer count?
             pub(crate) fn encoders_count() -> bool {
@@ -217,6 +282,7 @@ macro_rules! wiring {
             /// What the board's wiring needs of the chip.
             pub(crate) struct Parts {
                 pub(crate) pwm_timer: Peri<'static, peripherals::TIM1>,
+                pub(crate) stopwatch: Peri<'static, peripherals::TIM5>,
                 pub(crate) adc: Peri<'static, peripherals::ADC1>,
                 pub(crate) flash: Peri<'static, peripherals::FLASH>,
                 pub(crate) pitch_timer: Peri<'static, PitchTimer>,
@@ -231,6 +297,7 @@ macro_rules! wiring {
                 pub(crate) fn of(chip: Peripherals) -> Self {
                     Self {
                         pwm_timer: chip.TIM1,
+                        stopwatch: chip.TIM5,
                         adc: chip.ADC1,
                         flash: chip.FLASH,
                         pitch_timer: chip.$pitch,

@@ -27,7 +27,7 @@ pub(crate) const BOARD: Board = Board {
 wiring! {
     pitch_timer: TIM2, yaw_timer: TIM3,
     serial: USART2,
-    serial_out_dma: DMA1_CH6 (DMA1_STREAM6), serial_in_dma: DMA1_CH5 (DMA1_STREAM5),
+    serial_out_dma: DMA1_CH6 (DMA1_STREAM6), serial_in_dma: DMA1_CH5,
     serial_out: PA2, serial_in: PA3,
     pitch_a: PA0, pitch_b: PA1,
     yaw_a: PC6, yaw_b: PC7,

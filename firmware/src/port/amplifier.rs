@@ -19,6 +19,10 @@ pub(crate) const FULL_STEPS: u32 = BOARD.full_steps();
 // What the host simulates is what this board does.
 const _: () = assert!(FULL_STEPS == presets::PWM_STEPS);
 
+/// \[steps\] The most of them. Half bridges with a bootstrap need 3 % of each period to charge it: 1.5 µs.
+pub(crate) const MOST_STEPS: u32 =
+    if cfg!(feature = "bootstrap") { FULL_STEPS * 97 / 100 } else { FULL_STEPS };
+
 /// \[counts\] Zero volts.
 const NO_VOLTS: u16 = match AMPLIFIER {
     Amplifier::LockedAntiphase => TOP / 2,

@@ -37,7 +37,7 @@ impl PlantPort for EncoderPwmPort {
     const COUNTER_WIDTH: CounterWidth = CounterWidth::Bits16;
 
     fn drive(&self) -> Drive<f32> {
-        Drive::new(amplifier::FULL_STEPS)
+        Drive::limited(amplifier::FULL_STEPS, amplifier::MOST_STEPS)
     }
 
     fn counters(&mut self) -> PerAxis<u32> {

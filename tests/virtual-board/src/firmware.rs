@@ -88,6 +88,16 @@ impl Firmware {
         Self::read(&built("sign-magnitude/"))
     }
 
+    /// The released image with the feature `debug`: where
+    /// `cargo fw --features debug --target-dir target/debug-build` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn for_a_debugger() -> Result<Self, Error> {
+        Self::read(&built("debug-build/"))
+    }
+
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
         let refuse = |why: String| Error::Elf(path.to_owned(), why);
         let elf = object::File::parse(&*bytes).map_err(|why| refuse(why.to_string()))?;

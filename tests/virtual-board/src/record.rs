@@ -1,7 +1,6 @@
 //! What a board flies with: parameter records, and the image of the flash that holds them.
 
 use twinrotor::SAMPLE_TIME;
-use twinrotor::SAMPLE_TIME;
 use twinrotor::defaults;
 use twinrotor::gains::PAPER;
 use twinrotor::parameters::Parameters;

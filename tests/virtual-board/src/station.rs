@@ -9,6 +9,7 @@ use twinrotor::supervisor::{ArmState, Request};
 use twinrotor_station::{Answer, Client, Event, Heard, Question};
 
 use crate::machine::{Failure, Machine};
+use crate::serial::Flaw;
 
 /// An operator with a board.
 #[derive(Debug)]
@@ -42,6 +43,21 @@ impl Station {
     pub fn send(&mut self, message: &ToBoard) {
         self.client.send(message);
         self.say();
+    }
+
+    /// Sends a message whose `at`th word arrives with `flaw`, or, past its end, a word more that does.
+    pub fn send_flawed(&mut self, message: &ToBoard, at: usize, flaw: Flaw) {
+        self.client.send(message);
+        let bytes = self.client.take_outgoing();
+        let (before, rest) = bytes.split_at(at.min(bytes.len()));
+        self.machine.say(before);
+        match rest {
+            [] => self.machine.say_flawed(0x55, flaw),
+            [word, after @ ..] => {
+                self.machine.say_flawed(*word, flaw);
+                self.machine.say(after);
+            }
+        }
     }
 
     /// Asks something of the supervisor.

@@ -123,6 +123,8 @@ impl Client {
         let mut buffer = [0; MAX_FRAME];
         let numbered = message.numbered(self.sequence);
         self.sequence = self.sequence.next();
+        // Ends whatever noise came before: a `Disarm` must not be lost to it.
+        self.outgoing.push(0);
         self.outgoing.extend(link::encode(&numbered, &mut buffer).expect("every message fits its frame"));
     }
 

@@ -37,7 +37,8 @@ static MEMORY: [Region; 4] = [
         .erased_to(0xFF)
         .programmed_by("FLASH"),
     Region::ram("ccm", CCM.0, CCM.1),
-    Region::system("system", 0x1FFF_0000, 0x7A10),
+    // With the device's number and the calibration values behind it: 39.1, DS8626 table 72.
+    Region::system("system", 0x1FFF_0000, 0x7A30),
     Region::ram("sram", SRAM.0, SRAM.1),
 ];
 

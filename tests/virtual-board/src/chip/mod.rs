@@ -96,9 +96,11 @@ impl Stm32f405 {
         self.powered && (self.flash.busy() || self.rcc.still())
     }
 
-    /// The part's own rail \[mV\], which its voltage detector watches, from now on.
+    /// The part's own rail \[mV\], which its voltage detector watches and its converters measure against,
+    /// from now on.
     pub fn set_rail(&mut self, at: VirtualNanos, millivolts: u32) {
         self.settings.rail_millivolts = millivolts;
+        self.adc.iter_mut().for_each(|converter| converter.set_reference(millivolts));
         let registers = self.bus.slot_mut(self.slots.pwr).registers_mut();
         self.pwr.set_supply(millivolts, registers);
         self.watch_rail(at);

@@ -42,7 +42,7 @@ fn expect(cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
 }
 
 #[track_caller]
-fn expect_of(station: &mut Station, cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
+pub(super) fn expect_of(station: &mut Station, cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
     let before = station.heard.frames.last().expect("frames").tick;
     hazard(station);
     station.run(u64::from(within) + 100);
@@ -63,11 +63,11 @@ fn expect_of(station: &mut Station, cause: Condition, within: u32, hazard: impl 
     assert!(latched, "a fault stays until it is cleared: {}", station.heard.summary());
 }
 
-fn with_rig(station: &mut Station, act: impl FnOnce(&mut Helicopter) + Send + 'static) {
+pub(super) fn with_rig(station: &mut Station, act: impl FnOnce(&mut Helicopter) + Send + 'static) {
     station.machine.rig(act);
 }
 
-fn with_board(station: &mut Station, act: impl FnOnce(&mut Live<'_>) + Send + 'static) {
+pub(super) fn with_board(station: &mut Station, act: impl FnOnce(&mut Live<'_>) + Send + 'static) {
     station.machine.with(act);
 }
 

@@ -6,6 +6,7 @@ mod equality;
 mod noise;
 mod parameters;
 mod power_cuts;
+mod proofs;
 mod replay;
 mod resets;
 mod timing;
