@@ -22,6 +22,8 @@ const ALIKE: f64 = 1.03;
 /// Thrust that is so many times the preset's, or so small a part of it, is another unit or another rig.
 const OTHER_SCALE: f64 = 5.0;
 
+/// Rows of an axis, one every 20 ms in which it moves, of which fewer say nothing.
+const FEWEST_ROWS: usize = 100;
 /// Part of a regressor's square below which what is left of it says nothing.
 const UNKNOWN: f64 = 1e-6;
 
@@ -75,8 +77,8 @@ pub fn doubts(runs: &[Run], preset: &PlantParameters<f64>) -> Vec<String> {
         lines.push(format!(
             "the columns as given leave {:.0} % of the accelerations unexplained, with other signs or places \
              {:.0} %; say so: columns {}",
-            100.0 * given.missed,
-            100.0 * least,
+            50.0 * given.missed,
+            50.0 * least,
             named.join(", or ")
         ));
     }
@@ -126,7 +128,7 @@ fn swap(run: &Run, motors: bool, axes: bool) -> Run {
     Run::new(log)
 }
 
-/// How much of the accelerations a way of reading leaves unexplained, summed over the axes, and how each
+/// How much of the accelerations a way of reading leaves unexplained, summed over both axes, and how each
 /// axis' thrust compares with the preset's.
 #[derive(Debug, Clone, Copy)]
 struct Explained {
@@ -184,7 +186,7 @@ impl Equations {
             all.across += row.torque * row.weight;
             count += 1;
         }
-        (count > TERMS && all.torque > 0.0).then_some(all)
+        (count > FEWEST_ROWS && all.torque > 0.0).then_some(all)
     }
 
     /// The part of the torque's square that is missed with `kept` regressors, and their coefficients. The

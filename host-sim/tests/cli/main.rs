@@ -1,5 +1,6 @@
 //! The program as people use it: flags, files, exit status.
 
+mod lies;
 mod logs;
 mod searches;
 

@@ -150,13 +150,13 @@ struct Rows {
 impl Rows {
     fn push(&mut self, layout: &Layout, record: &csv::StringRecord) -> Result<(), String> {
         let time = layout.time(record, &mut self.origin)?;
-        if let Some(before) = self.time.last() {
-            if time < *before {
-                return Err(format!(
-                    "time runs backwards, from {before} s to {time} s after the first row; allowed: rows in \
+        if let Some(before) = self.time.last()
+            && time < *before
+        {
+            return Err(format!(
+                "time runs backwards, from {before} s to {time} s after the first row; allowed: rows in \
                      the order in which they were taken (a second run? give it as a file of its own)"
-                ));
-            }
+            ));
         }
         let angle = layout.angle(record)?;
         let volts = layout.volts(record)?;
