@@ -111,7 +111,8 @@ def generated():
     ]
     head = [
         "//! The controllers that boards boot with, one for each preset: the numbers of the committed gains",
-        "//! files, which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the host",
+        "//! files, which say how they were tuned. Written by `scripts/generate-defaults.py`; a test of the "
+        "host",
         "//! holds the two equal.",
         "",
     ]

@@ -2,7 +2,8 @@
 """Reads what `simulate --export` wrote with the tools that people use; compares every number with the CSV.
 
     pip install numpy pyarrow mcap
-    cargo run -p host-sim --features formats simulate --csv run.csv --export run.parquet   (then run.mcap, run.npz)
+    cargo run -p host-sim --features formats simulate --csv run.csv --export run.parquet
+    (then run.mcap, run.npz)
     scripts/read-exports.py run.csv run.parquet run.mcap run.npz
 """
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes `cargo build --target TARGET` work, thumbv7em-none-eabihf or the one named, such as wasm32-unknown-unknown, and
-# prints the toolchain that can do it:
+# Makes `cargo build --target TARGET` work, thumbv7em-none-eabihf or the one named, such as
+# wasm32-unknown-unknown, and prints the toolchain that can do it:
 #
 #     export RUSTUP_TOOLCHAIN="$(scripts/setup-target.sh [TARGET])"
 #

@@ -53,19 +53,24 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
     case $name in
         paper)
             controller=integral
-            limits=settling_time_2.pitch=0.76,settling_time_2.yaw=0.81,settling_p95.pitch=0.87,settling_p95.yaw=0.87
-            limits=$limits,overshoot_p95.pitch=1.3,overshoot_p95.yaw=0.19,disturbance_rms_deg.yaw=0.107,failures=0
+            limits=settling_time_2.pitch=0.76,settling_time_2.yaw=0.81,settling_p95.pitch=0.87
+            limits=$limits,settling_p95.yaw=0.87
+            limits=$limits,overshoot_p95.pitch=1.3,overshoot_p95.yaw=0.19,disturbance_rms_deg.yaw=0.107
+            limits=$limits,failures=0
             ;;
         paper-fixed)
             accuracy=hold_rms_deg.pitch=0.0465,hold_rms_deg.yaw=0.0335
-            first=settling_time_2.pitch=1.28,settling_time_2.yaw=1.19,overshoot_p95.pitch=1.1,overshoot_p95.yaw=1.6
+            first=settling_time_2.pitch=1.28,settling_time_2.yaw=1.19,overshoot_p95.pitch=1.1
+            first=$first,overshoot_p95.yaw=1.6
             first=$first,disturbance_rms_deg.pitch=0.0505,disturbance_rms_deg.yaw=0.0415,$accuracy
-            limits=settling_time_2.pitch=1.27,settling_time_2.yaw=1.19,overshoot_p95.pitch=0.9,overshoot_p95.yaw=1.5
+            limits=settling_time_2.pitch=1.27,settling_time_2.yaw=1.19,overshoot_p95.pitch=0.9
+            limits=$limits,overshoot_p95.yaw=1.5
             limits=$limits,disturbance_rms_deg.pitch=0.0503,disturbance_rms_deg.yaw=0.0413,$accuracy
             ;;
         aero)
             seed=5
-            limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2,settling_p95.pitch=2,voltage_variation=135,failures=0
+            limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2,settling_p95.pitch=2,voltage_variation=135
+            limits=$limits,failures=0
             ;;
         aero2)
             limits=disturbance_rms_deg.pitch=0.068,disturbance_rms_deg.yaw=0.084
@@ -73,7 +78,8 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
             ;;
         aero-lab)
             # Gentler than the cheapest: what fails on reversals is warm motors.
-            limits=overshoot_p95.pitch=1.8,overshoot_p95.yaw=1.5,settling_p95.pitch=1.5,voltage_variation=80,failures=0
+            limits=overshoot_p95.pitch=1.8,overshoot_p95.yaw=1.5,settling_p95.pitch=1.5
+            limits=$limits,voltage_variation=80,failures=0
             ;;
         heli)
             limits=disturbance_rms_deg.pitch=0.124,disturbance_rms_deg.yaw=0.094

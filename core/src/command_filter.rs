@@ -1,11 +1,11 @@
 //! A third-order command filter: from a setpoint that may jump to an angle, a rate and an acceleration that
 //! belong together.
 //!
-//! r''' = ω³ (q_d - r) + (1 + 2 ζ) ω² (q̇_d - ṙ) + (1 + 2 ζ) ω (q̈_d - r̈) + q⃛_d: a pole at -ω and a pair of the
-//! same ω with damping ratio ζ, and no lag behind a reference that brings its derivatives. The jerk is held
-//! over a tick, so that angle, rate and acceleration are exact integrals of each other. With ζ = 1 a step
-//! never overshoots; with ζ = .8 it does by .31 % and, for the same greatest acceleration, is within 2 % in
-//! four fifths of the time.
+//! r''' = ω³ (q_d - r) + (1 + 2 ζ) ω² (q̇_d - ṙ) + (1 + 2 ζ) ω (q̈_d - r̈) + q⃛_d: a pole at -ω and a pair of
+//! the same ω with damping ratio ζ, and no lag behind a reference that brings its derivatives. The jerk is
+//! held over a tick, so that angle, rate and acceleration are exact integrals of each other. With ζ = 1 a
+//! step never overshoots; with ζ = .8 it does by .31 % and, for the same greatest acceleration, is within 2 %
+//! in four fifths of the time.
 //!
 //! What is asked for takes effect late: rotors of lag τ turn a wanted r̈ into r̈/(τ s + 1). The acceleration
 //! that is given out is r̈ + T_a r⃛ (jerk feed-forward), which a lag of τ = T_a turns into r̈ itself. It is

@@ -35,9 +35,9 @@ impl<R: Real> Drive<R> {
         Self { full_steps, most_steps }
     }
 
-    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most the limit either way. Zero
-    /// for both motors if anything is not finite or the supply is not above zero: this is the only way to a
-    /// duty.
+    /// The duty that comes nearest to `volts` from a supply of `supply` \[V\]; at most the limit either way.
+    /// Zero for both motors if anything is not finite or the supply is not above zero: this is the only way
+    /// to a duty.
     #[inline(always)]
     pub fn duty(&self, volts: PerMotor<R>, supply: R) -> PerMotor<Duty<R>> {
         let steps_per_volt = self.full_steps / supply;

@@ -12,8 +12,8 @@
 //!   by one factor, which recovers more slowly than a swing. Near the continuous limit ([`WARM`]) the bounds
 //!   shrink; for a setpoint that has just begun to move they are a part ([`BEGIN`]), since a jump of the rate
 //!   asks for more than the motion that follows.
-//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current is
-//!   limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
+//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current
+//!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
 //!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
 //!   die, and the motors cool. While the bound is in force the rig has been left behind: of any motion less
 //!   is asked for ([`SLOWING`]), and in full again only after [`RECOVERY`] seconds.

@@ -11,7 +11,8 @@ Every number of a controller that a person may choose, as the core declares it (
 `core/src/settings/declare.rs`). A gains file holds these names; where a name belongs to a choice
 (`estimator`, `allocation`), the file has the kind between: `estimator.bandwidth.yaw` is `yaw` in
 `[estimator.luenberger.bandwidth]`. \"Typical\" is what a slider offers, the default a start and no tuned
-value. The presets' own are in `gains/`. Where both axes have the same row, `*` stands for `pitch` and `yaw`.\n
+value. The presets' own are in `gains/`. Where both axes have the same row, `*` stands for `pitch` and \
+`yaw`.\n
 This file is written by `TWINROTOR_RENEW=1 cargo test -p core --test settings_tables`.\n";
 
 /// The fields of both axes are one row.

@@ -247,7 +247,8 @@ proptest! {
             if first.heard {
                 prop_assert!(dealt.insert(message.sequence.0));
             }
-            prop_assert_eq!(board.receive(Ok(ToBoard::Disarm.numbered(sequence)), true).action, Action::Disarm);
+            let said = Ok(ToBoard::Disarm.numbered(sequence));
+            prop_assert_eq!(board.receive(said, true).action, Action::Disarm);
             sequence = sequence.next();
             for old in line.iter().rev().take(again).rev() {
                 let repeated = board.receive(Ok(old.clone()), true);

@@ -84,7 +84,9 @@ proptest! {
 
     /// A flipped bit, a lost byte, a cut: never another message.
     #[test]
-    fn damage_is_noticed(message in to_board(), at in any::<prop::sample::Index>(), flip in 1_u8.., cut in any::<bool>()) {
+    fn damage_is_noticed(
+        message in to_board(), at in any::<prop::sample::Index>(), flip in 1_u8.., cut in any::<bool>(),
+    ) {
         let mut bytes = framed(&message);
         let at = at.index(bytes.len() - 1);
         if cut { bytes.remove(at); } else { bytes[at] ^= flip; }

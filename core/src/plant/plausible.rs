@@ -53,21 +53,33 @@ pub const PLANT: &[Plausible<PlantParameters<f64>>] = plausible! {
     "mass": 0.001..=100.0 "kg" or 1e-3 "g", |plant| Some(plant.mass);
     "center_of_mass": -1.0..=1.0 "m" or 1e-3 "mm" or 1e-2 "cm", |plant| Some(plant.center_of_mass);
     "gravity": 0.0..=30.0 "m/s²" or 1e-3 "mm/s²" or 1e-2 "cm/s²", |plant| Some(plant.gravity);
-    "inertia.pitch": 0.0001..=10.0 "kg m²" or 1e-4 "kg cm²" or 1e-6 "g m² or kg mm²", |plant| Some(plant.inertia.pitch);
-    "inertia.yaw": 0.0001..=10.0 "kg m²" or 1e-4 "kg cm²" or 1e-6 "g m² or kg mm²", |plant| Some(plant.inertia.yaw);
+    "inertia.pitch": 0.0001..=10.0 "kg m²" or 1e-4 "kg cm²" or 1e-6 "g m² or kg mm²",
+        |plant| Some(plant.inertia.pitch);
+    "inertia.yaw": 0.0001..=10.0 "kg m²" or 1e-4 "kg cm²" or 1e-6 "g m² or kg mm²",
+        |plant| Some(plant.inertia.yaw);
     "damping.pitch": 0.0..=10.0 "N m s/rad" or 1e-3 "mN m s/rad", |plant| Some(plant.damping.pitch);
     "damping.yaw": 0.0..=10.0 "N m s/rad" or 1e-3 "mN m s/rad", |plant| Some(plant.damping.yaw);
     "stiffness": 0.0..=50.0 "N m/rad" or 1e-3 "mN m/rad", |plant| Some(plant.stiffness);
-    "effectiveness.main_on_pitch": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V", |plant| Some(plant.effectiveness.main_on_pitch);
-    "effectiveness.tail_on_pitch": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V", |plant| Some(plant.effectiveness.tail_on_pitch);
-    "effectiveness.main_on_yaw": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V", |plant| Some(plant.effectiveness.main_on_yaw);
-    "effectiveness.tail_on_yaw": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V", |plant| Some(plant.effectiveness.tail_on_yaw);
-    "quadratic_effectiveness.main_on_pitch": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²", |plant| Some(plant.quadratic_effectiveness.main_on_pitch);
-    "quadratic_effectiveness.tail_on_pitch": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²", |plant| Some(plant.quadratic_effectiveness.tail_on_pitch);
-    "quadratic_effectiveness.main_on_yaw": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²", |plant| Some(plant.quadratic_effectiveness.main_on_yaw);
-    "quadratic_effectiveness.tail_on_yaw": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²", |plant| Some(plant.quadratic_effectiveness.tail_on_yaw);
-    "rotor_time_constant.main": 0.0..=2.0 "s" or 1e-3 "ms" or 1e-6 "µs", |plant| Some(plant.rotor_time_constant.main);
-    "rotor_time_constant.tail": 0.0..=2.0 "s" or 1e-3 "ms" or 1e-6 "µs", |plant| Some(plant.rotor_time_constant.tail);
+    "effectiveness.main_on_pitch": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V",
+        |plant| Some(plant.effectiveness.main_on_pitch);
+    "effectiveness.tail_on_pitch": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V",
+        |plant| Some(plant.effectiveness.tail_on_pitch);
+    "effectiveness.main_on_yaw": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V",
+        |plant| Some(plant.effectiveness.main_on_yaw);
+    "effectiveness.tail_on_yaw": -5.0..=5.0 "N m/V" or 1e-3 "mN m/V" or 1e-6 "µN m/V",
+        |plant| Some(plant.effectiveness.tail_on_yaw);
+    "quadratic_effectiveness.main_on_pitch": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²",
+        |plant| Some(plant.quadratic_effectiveness.main_on_pitch);
+    "quadratic_effectiveness.tail_on_pitch": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²",
+        |plant| Some(plant.quadratic_effectiveness.tail_on_pitch);
+    "quadratic_effectiveness.main_on_yaw": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²",
+        |plant| Some(plant.quadratic_effectiveness.main_on_yaw);
+    "quadratic_effectiveness.tail_on_yaw": -5.0..=5.0 "N m/V²" or 1e-3 "mN m/V²" or 1e-6 "µN m/V²",
+        |plant| Some(plant.quadratic_effectiveness.tail_on_yaw);
+    "rotor_time_constant.main": 0.0..=2.0 "s" or 1e-3 "ms" or 1e-6 "µs",
+        |plant| Some(plant.rotor_time_constant.main);
+    "rotor_time_constant.tail": 0.0..=2.0 "s" or 1e-3 "ms" or 1e-6 "µs",
+        |plant| Some(plant.rotor_time_constant.tail);
     "rotor_reaction.main": -1.0..=1.0 "N m s/V" or 1e-3 "mN m s/V", |plant| Some(plant.rotor_reaction.main);
     "rotor_reaction.tail": -1.0..=1.0 "N m s/V" or 1e-3 "mN m s/V", |plant| Some(plant.rotor_reaction.tail);
     "coulomb_friction.pitch": 0.0..=1.0 "N m" or 1e-3 "mN m", |plant| Some(plant.coulomb_friction.pitch);
@@ -82,19 +94,27 @@ pub const RIG: &[Plausible<Rig>] = plausible! {
     "supply.lowest": 0.1..=75.0 "V" or 1e-3 "mV", |rig| Some(rig.supply.lowest);
     "supply.highest": 0.1..=75.0 "V" or 1e-3 "mV", |rig| Some(rig.supply.highest);
     "nominal_volts": 0.0..=60.0 "V" or 1e-3 "mV", |rig| Some(rig.nominal_volts);
-    "encoder_counts.pitch": 16.0..=1000000.0 "counts a revolution", |rig| Some(f64::from(rig.encoder_counts.pitch));
-    "encoder_counts.yaw": 16.0..=1000000.0 "counts a revolution", |rig| Some(f64::from(rig.encoder_counts.yaw));
+    "encoder_counts.pitch": 16.0..=1000000.0 "counts a revolution",
+        |rig| Some(f64::from(rig.encoder_counts.pitch));
+    "encoder_counts.yaw": 16.0..=1000000.0 "counts a revolution",
+        |rig| Some(f64::from(rig.encoder_counts.yaw));
     "pwm_steps": 16.0..=65535.0 "steps", |rig| Some(f64::from(rig.pwm_steps));
-    "rest_angle.pitch": -1.5707964..=1.5707964 "rad" or DEG "degrees" or 1e-3 "mrad", |rig| Some(rig.rest_angle.pitch);
-    "rest_angle.yaw": -6.283186..=6.283186 "rad" or DEG "degrees" or 1e-3 "mrad", |rig| Some(rig.rest_angle.yaw);
+    "rest_angle.pitch": -1.5707964..=1.5707964 "rad" or DEG "degrees" or 1e-3 "mrad",
+        |rig| Some(rig.rest_angle.pitch);
+    "rest_angle.yaw": -6.283186..=6.283186 "rad" or DEG "degrees" or 1e-3 "mrad",
+        |rig| Some(rig.rest_angle.yaw);
     "envelope.pitch": 0.01..=1.5707964 "rad" or DEG "degrees" or 1e-3 "mrad", |rig| Some(rig.envelope.pitch);
-    "envelope.rate.pitch": 0.1..=30.0 "rad/s" or DEG "degrees a second" or 1e-3 "mrad/s", |rig| Some(rig.envelope.rate.pitch);
-    "envelope.rate.yaw": 0.1..=30.0 "rad/s" or DEG "degrees a second" or 1e-3 "mrad/s", |rig| Some(rig.envelope.rate.yaw);
+    "envelope.rate.pitch": 0.1..=30.0 "rad/s" or DEG "degrees a second" or 1e-3 "mrad/s",
+        |rig| Some(rig.envelope.rate.pitch);
+    "envelope.rate.yaw": 0.1..=30.0 "rad/s" or DEG "degrees a second" or 1e-3 "mrad/s",
+        |rig| Some(rig.envelope.rate.yaw);
     "motor.resistance": 0.01..=1000.0 "ohm" or 1e-3 "mΩ", |rig| rig.motor.map(|motor| motor.resistance);
     "motor.back_emf": 0.0001..=1.0 "V s/rad" or 1e-3 "mV s/rad", |rig| rig.motor.map(|motor| motor.back_emf);
-    "motor.drag": 0.0..=0.01 "N m s/rad" or 1e-3 "mN m s/rad" or 1e-6 "µN m s/rad", |rig| rig.motor.map(|motor| motor.drag);
+    "motor.drag": 0.0..=0.01 "N m s/rad" or 1e-3 "mN m s/rad" or 1e-6 "µN m s/rad",
+        |rig| rig.motor.map(|motor| motor.drag);
     "motor.peak_current": 0.01..=100.0 "A" or 1e-3 "mA", |rig| rig.motor.map(|motor| motor.peak_current);
-    "motor.continuous_current": 0.01..=100.0 "A" or 1e-3 "mA", |rig| rig.motor.map(|motor| motor.continuous_current);
+    "motor.continuous_current": 0.01..=100.0 "A" or 1e-3 "mA",
+        |rig| rig.motor.map(|motor| motor.continuous_current);
 };
 
 impl PlantParameters<f64> {

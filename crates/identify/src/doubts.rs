@@ -147,7 +147,8 @@ impl Explained {
             };
             let way = if scale > 1.0 { "harder" } else { "less" };
             Some(format!(
-                "{axis}: a volt turns it {times:.1} times {way} than the preset says: another unit ({units}), or \
+                "{axis}: a volt turns it {times:.1} times {way} than the preset says: another unit \
+                 ({units}), or \
                  a rig unlike the preset"
             ))
         };

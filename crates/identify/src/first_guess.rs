@@ -73,8 +73,8 @@ pub(super) const TERMS: usize = 9;
 /// One row of a regression.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Term {
-    /// What acts for each unit of its constant: both motors' volts, these times their size, minus rate and its
-    /// sign, the other rotor's change, minus the sine of pitch, and 1.
+    /// What acts for each unit of its constant: both motors' volts, these times their size, minus rate and
+    /// its sign, the other rotor's change, minus the sine of pitch, and 1.
     pub(super) terms: [f64; TERMS],
     /// \[N m\] Inertia times acceleration.
     pub(super) torque: f64,

@@ -1,11 +1,11 @@
 //! The constants of a real rig from its own logs.
 //!
 //! Output error: the core's plant is fed the volts of a log and its constants are moved until its angles look
-//! like the logged ones. In the order of a run: [`mod@log`] reads and mends, [`windows`] cuts, [`doubts`] asks
-//! whether the columns are what they are said to be, [`tachometer`] reads lags, [`first_guess`] finds where to
-//! begin, [`problem`] is the least squares, [`search`] and [`descent`] solve it, [`interval`] says how well each
-//! constant is known, [`mod@fit`] how well the logs are explained, and [`suggest`] which experiment would tell
-//! more.
+//! like the logged ones. In the order of a run: [`mod@log`] reads and mends, [`windows`] cuts, [`doubts`]
+//! asks whether the columns are what they are said to be, [`tachometer`] reads lags, [`first_guess`] finds
+//! where to begin, [`problem`] is the least squares, [`search`] and [`descent`] solve it, [`interval`] says
+//! how well each constant is known, [`mod@fit`] how well the logs are explained, and [`suggest`] which
+//! experiment would tell more.
 
 #![cfg_attr(
     test,

@@ -93,7 +93,8 @@ pub struct Moment {
 }
 
 impl Moment {
-    fn of(tick: u32) -> Self {
+    /// Of a tick, counted from 0.
+    pub fn of(tick: u32) -> Self {
         Self { tick, time: f64::from(tick) * SAMPLE_TIME }
     }
 }

@@ -29,7 +29,8 @@ fn numbers_that_a_board_cannot_hold_are_refused_where_they_enter() {
     file("windows.toml", &format!("duration = 10\n[pitch.steps]\njumps = []\n{still}{windows}"));
     let gains = |size: &str| {
         format!(
-            "controller = \"backstepping\"\n[pitch]\nposition = {size}\nrate = 2\n[yaw]\nposition = 2\nrate = 9\n"
+            "controller = \"backstepping\"\n[pitch]\nposition = {size}\nrate = 2\n[yaw]\nposition = 2\nrate \
+             = 9\n"
         )
     };
     file("gains.toml", &gains("1e200"));

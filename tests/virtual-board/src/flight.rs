@@ -12,7 +12,7 @@ use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
 use twinrotor_sim::closed_loop::Tick;
-use twinrotor_sim::flight::{Flight, Row};
+use twinrotor_sim::flight::{Flight, Moment, Row};
 use twinrotor_sim::metrics::Metrics;
 use twinrotor_sim::scenario::Scenario;
 
@@ -144,6 +144,7 @@ fn recorded(frames: &[Frame], rig: &Rig, scenario: &Scenario, references: &[Refe
     let last = u32::try_from(frames.len().saturating_sub(1)).unwrap_or(u32::MAX);
     let mut metrics = Metrics::<f64>::new(last, scenario.steps(level.map(f64::from)), rig.volts_limit);
     let mut rows = Vec::with_capacity(frames.len());
+    let mut left_envelope = None;
     for (tick, (frame, reference)) in (0_u32..).zip(frames.iter().zip(references)) {
         let axis = |of: PerAxis<f32>| of.map(f64::from);
         let motor = |of: PerMotor<f32>| of.map(f64::from);
@@ -154,7 +155,10 @@ fn recorded(frames: &[Frame], rig: &Rig, scenario: &Scenario, references: &[Refe
         let volts = motor(frame.volts);
         metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts });
         let time = f64::from(tick) * SAMPLE_TIME;
+        if left_envelope.is_none() && !rig.envelope.holds(&state) {
+            left_envelope = Some(Moment::of(tick));
+        }
         rows.push(Row { time, state, reference, volts, disturbance: PerMotor::zero() });
     }
-    Flight { rows, report: metrics.report(0, SAMPLE_TIME) }
+    Flight { rows, report: metrics.report(0, SAMPLE_TIME), board: None, left_envelope }
 }

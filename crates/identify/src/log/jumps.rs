@@ -56,7 +56,8 @@ pub(super) fn mend(
     let Some(period) = periods.iter().find(|p| fits(angle, time, &jumps, **p)) else {
         let first = jumps[0];
         return Err(format!(
-            "{axis} jumps by {:.3} rad within {:.4} s at {:.3} s and stays there; allowed: at most {:.0} rad/s \
+            "{axis} jumps by {:.3} rad within {:.4} s at {:.3} s and stays there; allowed: at most {:.0} \
+             rad/s \
              (was it zeroed in the run, or is the log two runs? cut it there)",
             angle[first + 1] - angle[first],
             time[first + 1] - time[first],

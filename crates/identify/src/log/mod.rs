@@ -2,8 +2,8 @@
 //! wrong.
 //!
 //! A log has one row for each sample: time, both angles as measured, and the volts that were sent after
-//! reading them, held until the next row. What cannot be mended is refused in one line; what can is mended and
-//! told in [`Log::notes`]: repeated rows, gaps, uneven steps (`time.rs`), wrapped angles and wild rows
+//! reading them, held until the next row. What cannot be mended is refused in one line; what can is mended
+//! and told in [`Log::notes`]: repeated rows, gaps, uneven steps (`time.rs`), wrapped angles and wild rows
 //! (`jumps.rs`). Units that were not said are found by `units.rs`, rows that two logs share by `same.rs`.
 
 mod columns;
@@ -168,7 +168,8 @@ impl Rows {
         }
         if volts.main.abs() > MOST_VOLTS || volts.tail.abs() > MOST_VOLTS {
             return Err(format!(
-                "volts of {}, {}; allowed: at most {MOST_VOLTS} V (other units? say so: columns v0=NAME:mV, or \
+                "volts of {}, {}; allowed: at most {MOST_VOLTS} V (other units? say so: columns v0=NAME:mV, \
+                 or \
                  NAME:duty0.24 for percent of 24 V)",
                 volts.main, volts.tail
             ));
@@ -188,7 +189,8 @@ impl Rows {
         }
         if self.differing as f64 > MOST_DIFFERING * rows as f64 {
             return Err(format!(
-                "t: {} of {} rows have the time of the one before, and other angles or volts; allowed: a time \
+                "t: {} of {} rows have the time of the one before, and other angles or volts; allowed: a \
+                 time \
                  for each row (are times written with too few digits?)",
                 self.differing,
                 rows + self.repeated
@@ -255,7 +257,8 @@ fn check_volts(volts: &[PerMotor<f64>], rig: &Rig, notes: &mut Vec<String>) -> R
     }
     if most.main.max(most.tail) <= DUTY_CYCLE {
         notes.push(format!(
-            "v0 and v1 stay within ±{DUTY_CYCLE} on a rig of {}/{} V: if they are duty cycles, say so: columns \
+            "v0 and v1 stay within ±{DUTY_CYCLE} on a rig of {}/{} V: if they are duty cycles, say so: \
+             columns \
              v0=NAME:duty{},v1=NAME:duty{}",
             limit.main, limit.tail, limit.main, limit.tail
         ));

@@ -38,7 +38,8 @@ pub(super) fn even_out(rows: &mut Rows) -> Result<Clock, String> {
     let (least, most) = steps.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), s| (a.min(*s), b.max(*s)));
     if gaps as f64 > MOST_GAPS * steps.len() as f64 {
         return Err(format!(
-            "t: rows are {least:.6} to {most:.6} s apart, half of them within {median:.6} s, with {gaps} gaps \
+            "t: rows are {least:.6} to {most:.6} s apart, half of them within {median:.6} s, with {gaps} \
+             gaps \
              in {} rows: not sampled evenly; allowed: at most {} % of steps longer than {:.6} s",
             rows.time.len(),
             100.0 * MOST_GAPS,

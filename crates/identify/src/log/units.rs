@@ -38,7 +38,8 @@ pub(super) fn check(
     match layout.counts(axis) {
         Some(_) if written().any(|x| (x - x.round()).abs() > 1e-3) => {
             return Err(format!(
-                "{axis} has fractions of a count; allowed: whole numbers (rad, or another unit? say so: columns \
+                "{axis} has fractions of a count; allowed: whole numbers (rad, or another unit? say so: \
+                 columns \
                  {axis}=NAME:UNIT)"
             ));
         }

@@ -89,8 +89,8 @@ fn read(case: &Case) -> Outcome<(Vec<Run>, Vec<String>)> {
     Ok((runs, notes))
 }
 
-/// Constants that are said to be identifiable and lie further off than so many times half their intervals, and
-/// than this part of their value.
+/// Constants that are said to be identifiable and lie further off than so many times half their intervals,
+/// and than this part of their value.
 fn outside(runs: &[Run], truth: &PlantParameters<f64>, [times, part]: [f64; 2]) -> Vec<String> {
     let mut free = free();
     let mut plant = RIG.plant;
