@@ -251,7 +251,9 @@ mod tests {
 
     #[test]
     fn a_file_that_only_another_version_can_read_says_so() {
-        let text = "controller = \"backstepping\"\n[pitch]\nk1 = 4.2\n[provenance]\nversion = \"0.0.9\"";
+        let text = "controller = \"backstepping\"\n[pitch]\nk1 = 4.2\n[provenance]\npreset = \"paper\"
+            objective = \"ise\"\nalgorithm = \"fpa-paper\"\nseed = 1\nevaluations = 1\ncost = 1.0
+            version = \"0.0.9\"";
         let error = GainsFile::parse("old.toml", text).unwrap_err().to_string();
         assert!(error.contains("k1") && !error.contains('\n'), "{error}");
         assert!(
