@@ -1,5 +1,5 @@
-//! The status LED: one slow blink, disarmed; steady, ready; quick, motors may turn; two flashes, fault; three,
-//! the board itself is not as it should be, whatever the state.
+//! The status LED: one slow blink, disarmed; steady, ready; quick, motors may turn; two flashes, fault;
+//! three, the board itself is not as it should be, whatever the state.
 
 use crate::shared::LED_PATTERN;
 use core::sync::atomic::Ordering;

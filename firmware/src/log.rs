@@ -1,6 +1,6 @@
-//! What the board says to a debug probe, by defmt: every change of state and of what is wrong, every verdict,
-//! refusal, message that was none, save, slow tick and reset, with the time of the tick. From the thread only:
-//! the tick hands its changes over in a queue. The words stay in the ELF.
+//! What the board says to a debug probe, by defmt: every change of state and of what is wrong, every
+//! verdict, refusal, message that was none, save, slow tick and reset, with the time of the tick. From the
+//! thread only: the tick hands its changes over in a queue. The words stay in the ELF.
 
 use crate::shared::TICKS;
 use core::sync::atomic::Ordering;

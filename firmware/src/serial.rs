@@ -1,5 +1,5 @@
-//! The serial link: bytes in ([`crate::receiver`]) and out by DMA, never in the way of a tick. What is answered is the core's
-//! [`Conversation`]; here is what it asks for: flash, and the tick.
+//! The serial link: bytes in ([`crate::receiver`]) and out by DMA, never in the way of a tick. What is
+//! answered is the core's [`Conversation`]; here is what it asks for: flash, and the tick.
 
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;

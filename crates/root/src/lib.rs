@@ -14,8 +14,8 @@ pub fn sqrt(x: f32) -> f32 {
     {
         let mut bits = x.to_bits();
         #[expect(unsafe_code, reason = "an instruction that the language has no name for")]
-        // SAFETY: VSQRT.F32 (ARMv7-M reference manual, A7.7.256) changes the registers declared, and flags. By
-        // way of an integer register: the compiler gives assembly no others on a chip without double.
+        // SAFETY: VSQRT.F32 (ARMv7-M reference manual, A7.7.256) changes the registers declared, and flags.
+        // By way of an integer register: the compiler gives assembly no others on a chip without double.
         unsafe {
             core::arch::asm!(
                 "vmov s0, {bits}",

@@ -148,6 +148,9 @@ fn the_supply_is_read_right_whatever_the_converters_own_supply_is() {
         let read = station.heard.frames.last().expect("frames").supply;
         let (rig, _) = built_in();
         let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
-        assert!((f64::from(read) / supply - 1.0).abs() < 0.01, "{read} V of {supply} V at {rail_millivolts} mV");
+        assert!(
+            (f64::from(read) / supply - 1.0).abs() < 0.01,
+            "{read} V of {supply} V at {rail_millivolts} mV"
+        );
     }
 }
