@@ -117,7 +117,7 @@ impl Approach {
         let (now, t) = (self.setpoint, self.sample_time);
         self.setpoint.angle = now.angle.plus(now.rate.plus(now.accel.scaled(0.5 * t)).scaled(t));
         self.setpoint.rate = now.rate.plus(now.accel.scaled(t));
-        self.moves -= 1;
+        self.moves = self.moves.saturating_sub(1);
         let angle = self.setpoint.angle;
         if self.moves == 0 || angle.pitch.abs() > self.pitch {
             self.rest_at(PerAxis { pitch: Real::clamp(angle.pitch, -self.pitch, self.pitch), ..angle });

@@ -17,7 +17,7 @@ use core::fmt;
 /// \[-\] Part of what a motor may take for long that holding a pose leaves for control.
 pub const SPARE: f64 = 0.1;
 /// \[degrees\] How far from the horizontal poses are looked at.
-const FARTHEST: u32 = 60;
+const FARTHEST: i32 = 60;
 /// Mean of a guess and what the thrust at that guess would take: Heron's rule, which doubles its digits each
 /// time once it is near.
 const ROUNDS: usize = 20;
@@ -111,7 +111,7 @@ impl<R: Real> StaticReach<R> {
         let (mut begun, mut ended, mut top, mut low) = (none, none, R::zero(), R::zero());
         let (mut up, mut high) = (level, R::zero());
         for degree in 0..=FARTHEST {
-            let pitch = R::from_f64(f64::from(degree) * DEGREE);
+            let pitch = R::from_i32(degree) * R::from_f64(DEGREE);
             let held = can(-pitch) & !ended;
             top = R::select(held & !begun, -pitch, top);
             low = R::select(held, -pitch, low);

@@ -130,7 +130,8 @@ impl Trial {
 
     /// \[%\] The candidate's share in the volts.
     pub(crate) fn percent(&self) -> u8 {
-        u8::try_from(u64::from(self.share) * 100 / u64::from(self.candidate.fade)).unwrap_or(100)
+        let percent = self.share.saturating_mul(100).checked_div(self.candidate.fade);
+        percent.and_then(|percent| u8::try_from(percent).ok()).unwrap_or(100)
     }
 
     /// What the candidate believes.
@@ -171,7 +172,7 @@ impl Trial {
 
     /// A tick further.
     fn advance(&mut self, found: PerAxis<f32>) {
-        self.ticks += 1;
+        self.ticks = self.ticks.saturating_add(1);
         match self.phase {
             TrialPhase::None => {}
             TrialPhase::Shadow => {
@@ -185,7 +186,7 @@ impl Trial {
                 self.enter(TrialPhase::FadingOut);
             }
             TrialPhase::FadingIn => {
-                self.share += 1;
+                self.share = self.share.saturating_add(1);
                 if self.share == self.candidate.fade {
                     self.enter(TrialPhase::Flying);
                 }

@@ -22,7 +22,8 @@ impl Persistence {
     /// The same, but that one good tick undoes one bad one: true once there were `limit` more bad ones.
     #[inline(always)]
     pub(super) fn over_more_often(&mut self, now: bool, limit: u32) -> bool {
-        self.ticks = if now { Ord::min(self.ticks + 1, limit) } else { self.ticks.saturating_sub(1) };
+        self.ticks =
+            if now { Ord::min(self.ticks.saturating_add(1), limit) } else { self.ticks.saturating_sub(1) };
         self.ticks >= limit
     }
 }
