@@ -5,18 +5,18 @@
 //! the continuous limit allows ([`CurrentLimit::load`](crate::allocation::CurrentLimit::load)):
 //!
 //! - **Reach.** A step of the reach costs heat: it is asked for as long as there is room for one
-//!   ([`STEP_HEAT`]), and a smaller one where there is less, down to [`CRAWL`] of it.
+//!   (`STEP_HEAT`), and a smaller one where there is less, down to `CRAWL` of it.
 //! - **Rate and acceleration** that a setpoint brings are bounded: the rate by twice what a far goal is gone
 //!   at, the acceleration by what a step of the reach asks for and by what the volts leave beside those that
 //!   hold the pose. A setpoint that moves faster is followed as if its amplitude were less: both are scaled
-//!   by one factor, which recovers more slowly than a swing. Near the continuous limit ([`WARM`]) the bounds
-//!   shrink; for a setpoint that has just begun to move they are a part ([`BEGIN`]), since a jump of the rate
+//!   by one factor, which recovers more slowly than a swing. Near the continuous limit (`WARM`) the bounds
+//!   shrink; for a setpoint that has just begun to move they are a part (`BEGIN`), since a jump of the rate
 //!   asks for more than the motion that follows.
 //! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current
 //!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
 //!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
 //!   die, and the motors cool. While the bound is in force the rig has been left behind: of any motion less
-//!   is asked for ([`SLOWING`]), and in full again only after [`RECOVERY`] seconds.
+//!   is asked for (`SLOWING`), and in full again only after `RECOVERY` seconds.
 //! - **Pitch** stays where the motors can hold it for long ([`StaticReach`]).
 //!
 //! A step within the reach, with cold motors, is governed by nothing of this.

@@ -40,7 +40,7 @@
 //!
 //! - Numbers: [`real`] (the arithmetic), [`compensated`] (sums), [`axes`] (axis and motor apart by type),
 //!   [`validate`] (what is wrong with a value).
-//! - The helicopter: [`plant`] integrates it, [`bench`] shows it as its cables do, [`trajectory`] has the
+//! - The helicopter: [`plant`] integrates it, [`mod@bench`] shows it as its cables do, [`trajectory`] has the
 //!   references that a simulation follows.
 //! - The controller's settings: [`settings`], the table of all that a person may choose, declared where it is
 //!   used; [`gains`], [`controller`], and [`defaults`], what each preset starts from.

@@ -156,7 +156,8 @@ mod tests {
             change(&mut rig);
             rig.validate().unwrap_err()
         };
-        let cases: [(&dyn Fn(&mut Rig), &str, &str); 9] = [
+        type Case<'a> = (&'a dyn Fn(&mut Rig), &'a str, &'a str);
+        let cases: [Case<'_>; 9] = [
             (&|rig| rig.envelope.rate.yaw = 573.0, "envelope.rate.yaw", "degrees a second"),
             (&|rig| rig.rest_angle.pitch = -40.5, "rest_angle.pitch", "degrees"),
             (&|rig| rig.plant.rotor_time_constant.tail = 160.0, "rotor_time_constant.tail", "ms"),

@@ -1,7 +1,7 @@
 //! A controller's settings as data: one declaration of each gives the structure, its way through `map` and
 //! `validate`, and a table of name, unit, range, default and meaning that programs can go through.
 //!
-//! - [`settings!`] declares a structure of numbers, [`table!`] the table alone, [`choice!`] an enum of kinds
+//! - `settings!` declares a structure of numbers, `table!` the table alone, `choice!` an enum of kinds
 //!   each of which has a table of its own.
 //! - [`ControllerSettings::visit`](crate::controller::ControllerSettings::visit), `get` and `set` go through
 //!   a controller by name; [`CHOICES`] and [`PARTS`] are all there is to choose from.

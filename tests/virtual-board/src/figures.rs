@@ -121,8 +121,8 @@ impl Figures {
             return Err(format!("{name} is {value}, allowed are {most}; {self}"));
         }
         let idle = papers.idle_percent.min(rigs.idle_percent);
-        if idle < 97.0 {
-            Err(format!("the core idles {idle:.1} % of its time, at least 97 are wanted"))
+        if idle < 95.0 {
+            Err(format!("the core idles {idle:.1} % of its time, at least 95 are wanted"))
         } else {
             Ok(())
         }

@@ -136,8 +136,11 @@ impl Lockstep {
         let regular = at.0 + MILLISECOND;
         let since = |tick: &TickRecord| at.0 - tick.at.0;
         match self.ticks.last().map(since) {
-            Some(since) if since < MILLISECOND && since.abs_diff(MILLISECOND / 2) > 100_000 => {
-                VirtualNanos(regular + MILLISECOND / 2 - since)
+            // A tick that is under way is not among them yet: then the last one was a little over 1 ms ago.
+            Some(since)
+                if since < 2 * MILLISECOND && (since % MILLISECOND).abs_diff(MILLISECOND / 2) > 100_000 =>
+            {
+                VirtualNanos(regular + MILLISECOND / 2 - since % MILLISECOND)
             }
             _ => VirtualNanos(regular),
         }
