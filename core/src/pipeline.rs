@@ -234,13 +234,15 @@ impl<R: Real> Pipeline<R> {
     /// The second half of a tick: what to do about it.
     #[inline(always)]
     pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Decision<R> {
-        let reference = match &mut self.reference {
-            None => *setpoint,
+        let governed;
+        let reference = *match &mut self.reference {
+            None => setpoint,
             Some((governor, filter)) => {
                 let leave = Leave::new(self.current_limit.as_ref());
                 let wanted = governor.govern(setpoint, &leave);
                 let asked = filter.step(&wanted, governor.reach(&leave));
-                governor.within(asked, belief.estimate.state.angle, &leave)
+                governed = governor.within(asked, belief.estimate.state.angle, &leave);
+                &governed
             }
         };
         let now = Situation::new(&self.model, belief, reference);

@@ -91,13 +91,10 @@ fn a_setpoint_that_moves_comes_to_rest_and_one_beyond_the_envelope_is_refused_wi
     let setpoint =
         Reference { angle: PerAxis::new(0.1, 0.2), rate: PerAxis::new(0.0, 1.0), accel: PerAxis::zero() };
     station.send(&ToBoard::Setpoint(setpoint));
-    station.run(3_000);
-    let held = station.heard.frames.last().expect("frames").reference.yaw;
-    assert!((0.2..1.5).contains(&held), "{held} rad");
-    station.run(3_000);
+    station.run(6_000);
     let last = station.heard.frames.last().expect("frames");
-    // The command filter comes to the place of rest by and by.
-    assert!(last.state == ArmState::Armed && (last.reference.yaw - held).abs() < 0.05, "{last:?}");
+    // It moves for 500 ms at 1 rad/s, to .7 rad, and rests; governor and command filter come there by and by.
+    assert!(last.state == ArmState::Armed && (last.reference.yaw - 0.7).abs() < 0.02, "{last:?}");
     station.aim(PerAxis::new(1.5, 0.2));
     station.run(20);
     let pitch = parameters.limits.pitch;
