@@ -39,6 +39,7 @@ impl InFlight {
     /// If the firmware reaches something that is not modelled.
     pub fn measure(station: &mut Station) -> Self {
         const MILLISECONDS: u64 = 2_000;
+        #[expect(clippy::cast_possible_truncation, reason = "a few thousand")]
         const TICKS: usize = MILLISECONDS as usize;
         let before = station.machine.with(|board| board.ticks().len());
         let (_, executed) = station.machine.now();
