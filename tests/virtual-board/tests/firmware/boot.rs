@@ -77,7 +77,8 @@ fn the_first_power_check_passes_a_well_wired_rig_and_lets_it_arm() {
 
 #[test]
 fn the_first_power_check_names_what_is_wired_wrongly() {
-    let cases: [(fn(&mut Helicopter), Verdict); 3] = [
+    type Case = (fn(&mut Helicopter), Verdict);
+    let cases: [Case; 3] = [
         (|heli| heli.faults().motors_swapped = true, Verdict::Wrong(Fault::MotorsSwapped)),
         (|heli| heli.faults().encoder_reversed.yaw = true, Verdict::Wrong(Fault::YawReversed)),
         (

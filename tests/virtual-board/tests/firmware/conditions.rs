@@ -25,7 +25,7 @@ fn fault(station: &Station) -> (u32, Condition) {
 /// Ticks from that of the fault until the motors are off for good: no volts on them, the amplifiers disabled.
 fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
     let (trace, ticks) = station.machine.trace();
-    let last_alive = trace.iter().filter(|outputs| outputs.enabled || outputs.live()).next_back();
+    let last_alive = trace.iter().rfind(|outputs| outputs.enabled || outputs.live());
     let last_alive = last_alive.expect("it was armed").at;
     let until_then = ticks.iter().filter(|tick| tick.at <= last_alive).count();
     // The first tick has number 0, so this many ticks had run when the motors were last seen alive.
@@ -116,7 +116,8 @@ fn an_encoder_that_jumps() {
 
 #[test]
 fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
-    let cases: [(Condition, fn(&mut Helicopter)); 4] = [
+    type Case = (Condition, fn(&mut Helicopter));
+    let cases: [Case; 4] = [
         (Condition::PitchMotion, |heli| heli.faults().encoder_stuck.pitch = true),
         (Condition::PitchMotion, |heli| heli.faults().encoder_reversed.pitch = true),
         (Condition::YawMotion, |heli| heli.faults().encoder_stuck.yaw = true),

@@ -21,7 +21,7 @@ fn end(station: &mut Station, act: impl FnOnce(&mut Live<'_>) + Send + 'static) 
     station.machine.with(act);
     station.run(300);
     let (trace, _) = station.machine.trace();
-    let last = trace.iter().filter(|outputs| outputs.enabled || outputs.live()).next_back();
+    let last = trace.iter().rfind(|outputs| outputs.enabled || outputs.live());
     last.map_or(0, |outputs| outputs.at.0.saturating_sub(began.0)) / 1_000_000
 }
 

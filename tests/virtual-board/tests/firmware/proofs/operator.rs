@@ -128,7 +128,7 @@ fn a_supply_that_reads_too_low_gives_no_motor_more_than_was_asked_for() {
         let asked = station.heard.frames[frame - 100..frame]
             .iter()
             .fold(0.0_f32, |most, f| most.max(f.demand.main.abs()).max(f.demand.tail.abs()));
-        let supply = f64::from(rig.volts_limit.main.max(rig.volts_limit.tail));
+        let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
         let most = trace(&mut station, from)
             .iter()
             .flat_map(|outputs| outputs.duty())
