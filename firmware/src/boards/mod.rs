@@ -106,6 +106,10 @@ impl Clocks {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     /// A crystal at the chip's two pins.
+    #[cfg_attr(
+        all(target_os = "none", feature = "nucleo-f446"),
+        expect(dead_code, reason = "the one board of these without")
+    )]
     Crystal,
     /// A clock that another chip feeds in.
     External,

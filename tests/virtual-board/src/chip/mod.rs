@@ -1,4 +1,4 @@
-//! An STM32F405 on the public traits of `rigless`: the bus of [`description`] and a model for each peripheral
+//! An STM32F405 on the public traits of `rigless`: the bus of `description` and a model for each peripheral
 //! that a controller board of this kind has use for. The clock tree, power controller, ports, serial ports,
 //! DMA, converters, watchdog and debug component are the crate's own models of the same reference manual,
 //! some of them wrapped to do what they leave out; the timers, the flash, the external interrupts and what a

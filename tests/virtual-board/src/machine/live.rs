@@ -188,7 +188,7 @@ impl Live<'_> {
         address.unwrap_or_else(|| panic!("the firmware has no symbol {name}"))
     }
 
-    /// How much of the stack between `low` and `high` was ever used [bytes], told by the words at its
+    /// How much of the stack between `low` and `high` was ever used \[bytes\], told by the words at its
     /// low end that still are all the same, as a firmware paints them.
     pub fn stack_used(&mut self, low: u64, high: u64) -> u64 {
         let paint = self.word(low);

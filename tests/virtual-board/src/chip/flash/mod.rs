@@ -46,14 +46,14 @@ pub struct Flash {
     cutting: Option<EventId>,
     /// Every operation started.
     pub log: Vec<(VirtualNanos, Operation)>,
-    /// How long the supply stays away after a cut [ns], set as it goes.
+    /// How long the supply stays away after a cut \[ns\], set as it goes.
     pub outage: Option<u64>,
     returning: Option<EventId>,
     /// The instruction and the data cache.
     caches: [Cache; 2],
 }
 
-/// How long the supply stays away after a cut [ns].
+/// How long the supply stays away after a cut \[ns\].
 const OUTAGE_NS: u64 = 2_000_000;
 
 impl Flash {

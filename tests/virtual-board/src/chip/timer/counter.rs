@@ -59,7 +59,7 @@ pub struct Passed {
 #[derive(Debug, Clone)]
 pub struct Counter {
     kind: Kind,
-    /// \[Hz\], and the instant that input tick 0 fell on [ns].
+    /// \[Hz\], and the instant that input tick 0 fell on \[ns\].
     clock_hz: u64,
     clock_since: u64,
     control: Control,
@@ -364,7 +364,7 @@ impl Counter {
         }
     }
 
-    /// The instant [ns] of the next event among update events and the channels asked for.
+    /// The instant \[ns\] of the next event among update events and the channels asked for.
     pub fn next_event(&self, updates: bool, channels: [bool; 4]) -> Option<u64> {
         if !self.runs() {
             return None;
