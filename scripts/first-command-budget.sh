@@ -11,13 +11,19 @@ cargo fetch --quiet --locked
 seconds() {
   awk '{ split($1, m, "m"); split($2, s, "m"); print m[1] * 60 + m[2] + s[1] * 60 + s[2] }' <<<"$1"
 }
-# The last line of `times`: user and system time of all children so far.
-before=$(times | tail -1)
+# The last line of `times`: user and system time of all children so far. By way of a file: in a pipe or a
+# substitution it would be told by a shell of its own, which has no children.
+spent() {
+  times >"$folder/times"
+  awk 'END { print }' "$folder/times"
+}
+spent >"$folder/before"
 CARGO_TARGET_DIR=$folder/target cargo build --quiet --locked -p host-sim
-built=$(times | tail -1)
+spent >"$folder/built"
 (cd "$folder" && target/debug/host-sim tune >/dev/null)
-after=$(times | tail -1)
-awk -v before="$(seconds "$before")" -v built="$(seconds "$built")" -v after="$(seconds "$after")" \
+spent >"$folder/after"
+of() { seconds "$(cat "$folder/$1")"; }
+awk -v before="$(of before)" -v built="$(of built)" -v after="$(of after)" \
   -v budget="$budget" 'BEGIN {
   printf "first command: %.0f s of processor time to build, ", built - before
   printf "%.1f s to search; budget %d s\n", after - built, budget
