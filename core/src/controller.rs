@@ -1,6 +1,6 @@
 //! Everything about a controller that is a choice and not a fact of the rig: what a gains file holds.
 
-use crate::allocation::AllocationSettings;
+use crate::allocation::{AllocationSettings, CurrentLimitSettings};
 use crate::axes::PerAxis;
 use crate::command_filter::FilterSettings;
 use crate::estimator::EstimatorSettings;
@@ -8,7 +8,7 @@ use crate::gains::Gains;
 use crate::law::LawSettings;
 use crate::lead::Lead;
 use crate::real::Real;
-use crate::settings::{Field, Table, change, check};
+use crate::settings::{Field, Kind, Table, change, check};
 use crate::validate::Invalid;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +42,21 @@ table! {
         cancellation: (PerAxis<R>) "-", (at least 0), typical 0.0 to 1.0, default 0.0;
     }
 }
+
+/// Where a controller has one of several kinds: the name of the choice, and its kinds.
+pub const CHOICES: [(&str, &[Kind]); 3] = [
+    ("law", LawSettings::<f64>::KINDS),
+    ("estimator", EstimatorSettings::<f64>::KINDS),
+    ("allocation", AllocationSettings::<f64>::KINDS),
+];
+
+/// What a controller may have or not: the part's name, and its numbers.
+pub const PARTS: [(&str, &[Field]); 4] = [
+    ("filter", FilterSettings::<f64>::FIELDS),
+    ("lead", Lead::<f64>::FIELDS),
+    ("cancellation", Cancellation::FIELDS),
+    ("motor", CurrentLimitSettings::<f64>::FIELDS),
+];
 
 fn none<T>() -> Option<T> {
     None

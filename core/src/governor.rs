@@ -24,7 +24,7 @@
 use crate::allocation::CurrentLimit;
 use crate::axes::{PerAxis, PerMotor};
 use crate::command_filter::FilterSettings;
-use crate::pipeline::Settings;
+use crate::pipeline::settings::Settings;
 use crate::plant::{RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;

@@ -9,7 +9,7 @@
 use crate::DEGREE;
 use crate::allocation::CurrentLimitSettings;
 use crate::axes::{PerAxis, PerMotor};
-use crate::pipeline::Settings;
+use crate::pipeline::settings::Settings;
 use crate::plant::{Effectiveness, PlantParameters, RigidBody, State};
 use crate::real::{Mask, Real};
 use core::fmt;

@@ -4,7 +4,8 @@
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use twinrotor::settings::{CHOICES, Field, PARTS};
+use twinrotor::controller::{CHOICES, PARTS};
+use twinrotor::settings::Field;
 
 const HEAD: &str = "# Settings\n
 Every number of a controller that a person may choose, as the core declares it (`settings!` in

@@ -2,22 +2,13 @@
 //! refusal, message that was none, save, slow tick and reset, with the time of the tick. From the thread
 //! only: the tick hands its changes over in a queue. The words stay in the ELF.
 
-use crate::shared::TICKS;
+use crate::shared::{Change, TICKS};
 use core::sync::atomic::Ordering;
 use twinrotor::first_power::Verdict;
 use twinrotor::link::{LinkError, Refusal, ResetReport};
 use twinrotor::parameters::Provenance;
-use twinrotor::supervisor::{ArmState, Conditions};
 
 defmt::timestamp!("{=u32:ms}", TICKS.load(Ordering::Relaxed));
-
-/// From this tick on, another state or other conditions.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Change {
-    pub(crate) tick: u32,
-    pub(crate) state: ArmState,
-    pub(crate) conditions: Conditions,
-}
 
 /// \[cycles\] Ticks that take this long are worth a line: a tenth of the time there is.
 const SLOW_CYCLES: u32 = crate::clock::COUNTS * crate::clock::CYCLES / 10;

@@ -1,10 +1,10 @@
 //! What the tick and the thread tell each other, without a lock.
 
-use crate::log::Change;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 use heapless::spsc::Consumer;
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
+use twinrotor::supervisor::{ArmState, Conditions};
 use twinrotor::telemetry::Frame;
 
 /// Room for 80 ms of telemetry at 200 frames a second.
@@ -12,6 +12,14 @@ pub(crate) const FRAMES: usize = 16;
 pub(crate) const VERDICTS: usize = 2;
 /// Changes of state or conditions for the log; those that find no room are not logged.
 pub(crate) const CHANGES: usize = 8;
+/// From this tick on, another state or other conditions.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Change {
+    pub(crate) tick: u32,
+    pub(crate) state: ArmState,
+    pub(crate) conditions: Conditions,
+}
+
 /// The thread's end of what the tick reports.
 pub(crate) struct Reports {
     pub(crate) frames: Consumer<'static, Frame>,

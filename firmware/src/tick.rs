@@ -1,9 +1,9 @@
 //! The tick: an interrupt of the highest priority, every millisecond, around the core's control loop.
 
 use crate::clock::{self, Clock};
-use crate::log::Change;
 use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
+use crate::shared::Change;
 use crate::shared::{
     CHANGES, Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
     TICK_COUNTS_MAX, TICKS, VERDICTS, take,

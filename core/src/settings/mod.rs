@@ -4,7 +4,8 @@
 //! - `settings!` declares a structure of numbers, `table!` the table alone, `choice!` an enum of kinds
 //!   each of which has a table of its own.
 //! - [`ControllerSettings::visit`](crate::controller::ControllerSettings::visit), `get` and `set` go through
-//!   a controller by name; [`CHOICES`] and [`PARTS`] are all there is to choose from.
+//!   a controller by name; its [`CHOICES`](crate::controller::CHOICES) and
+//!   [`PARTS`](crate::controller::PARTS) are all there is to choose from.
 //!
 //! Names are those of a gains file without the kind of a choice: `pitch.position`, `estimator.bandwidth.yaw`,
 //! `filter.damping.pitch`. Each name means the same number whichever kind it belongs to.
@@ -16,13 +17,7 @@ mod leaves;
 mod tests;
 pub use leaves::{Build, Fixed, Leaves};
 
-use crate::allocation::{AllocationSettings, CurrentLimitSettings};
 use crate::axes::PerAxis;
-use crate::command_filter::FilterSettings;
-use crate::controller::Cancellation;
-use crate::estimator::EstimatorSettings;
-use crate::law::LawSettings;
-use crate::lead::Lead;
 use crate::real::Real;
 use crate::validate::Invalid;
 
@@ -177,21 +172,6 @@ pub struct Kind {
     /// Its numbers.
     pub fields: &'static [Field],
 }
-
-/// Where a controller has one of several kinds: the name of the choice, and its kinds.
-pub const CHOICES: [(&str, &[Kind]); 3] = [
-    ("law", LawSettings::<f64>::KINDS),
-    ("estimator", EstimatorSettings::<f64>::KINDS),
-    ("allocation", AllocationSettings::<f64>::KINDS),
-];
-
-/// What a controller may have or not: the part's name, and its numbers.
-pub const PARTS: [(&str, &[Field]); 4] = [
-    ("filter", FilterSettings::<f64>::FIELDS),
-    ("lead", Lead::<f64>::FIELDS),
-    ("cancellation", Cancellation::FIELDS),
-    ("motor", CurrentLimitSettings::<f64>::FIELDS),
-];
 
 /// Each of `values` through `f`, with its field, in the order of the table.
 pub fn change<R: Real, T: Leaves<R>>(

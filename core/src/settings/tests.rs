@@ -1,6 +1,10 @@
 use super::*;
-use crate::controller::ControllerSettings;
+use crate::allocation::AllocationSettings;
+use crate::command_filter::FilterSettings;
+use crate::controller::{CHOICES, ControllerSettings, PARTS};
 use crate::defaults;
+use crate::estimator::EstimatorSettings;
+use crate::law::LawSettings;
 use std::collections::BTreeSet;
 use std::vec::Vec;
 
