@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::Path;
+use twinrotor_identify::log::COLUMNS;
 use twinrotor_sim::Error;
 
 /// Why a command ended without what was asked of it.
@@ -59,8 +60,17 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        if error.is_input() { Self::Input(error.to_string()) } else { Self::Run(error.to_string()) }
+        let message = as_typed(&error.to_string());
+        if error.is_input() { Self::Input(message) } else { Self::Run(message) }
     }
+}
+
+/// What a library advises about a log's columns, as it is typed here: there they are a field, here a flag.
+pub fn as_typed(advice: &str) -> String {
+    COLUMNS.iter().fold(advice.to_owned(), |told, (column, ..)| {
+        let field = format!(" columns {column}=");
+        told.replace(&field, &format!(" --{}", field.trim_start()))
+    })
 }
 
 impl fmt::Display for Failure {
@@ -87,5 +97,7 @@ mod tests {
         assert_eq!(told("at_most"), "--at-most is x; allowed: y");
         assert_eq!(told("at_most failures"), "--at-most failures is x; allowed: y");
         assert_eq!(Failure::of_flag(Error::Failed("no".into())).exit_status(), 1);
+        let advice = Error::Unusable("degrees; say so: columns yaw=NAME:deg".into());
+        assert_eq!(Failure::from(advice).to_string(), "degrees; say so: --columns yaw=NAME:deg");
     }
 }

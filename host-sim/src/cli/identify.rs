@@ -2,7 +2,7 @@
 
 use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted, within};
 use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome};
+use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::residuals::residuals;
 use crate::files;
 use crate::files::checkpoint::Keeper;
@@ -116,6 +116,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     notes.extend(repeated);
     tachometer::check(&runs)?;
     notes.extend(doubts(&runs, &named.rig.plant));
+    let mut notes: Vec<String> = notes.iter().map(|note| as_typed(note)).collect();
 
     let measured = hold_measured_lags(&runs, &mut named.rig.plant, &mut free, &args.free);
     notes.extend(
@@ -212,7 +213,7 @@ fn notes(runs: &[Run], others: &[Run]) -> Vec<String> {
 /// What failed, with what was found odd about the logs: that may be why.
 fn with_notes(error: Error, notes: &[String]) -> Failure {
     let told: Vec<String> = notes.iter().map(|note| format!("; note: {note}")).collect();
-    Failure::Run(format!("{error}{}", told.concat()))
+    Failure::Run(format!("{}{}", as_typed(&error.to_string()), told.concat()))
 }
 
 /// A search at its beginning, or where its checkpoint left it.

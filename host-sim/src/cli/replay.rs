@@ -2,7 +2,7 @@
 
 use super::common::Common;
 use super::{print, print_json, tables};
-use crate::error::{Failure, Outcome};
+use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::replay::figure as drawn;
 use crate::files;
 use crate::files::figure;
@@ -71,6 +71,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     parameters.validate().map_err(image::unusable)?;
     let mut notes = log.notes.clone();
     notes.extend(doubts(&[Run::new(log.clone())], &named.rig.plant));
+    let notes: Vec<String> = notes.iter().map(|note| as_typed(note)).collect();
     let samples = replay::samples(&log, &named.rig, scenario.as_ref());
     let replayed = replay::replay(&parameters, &samples);
     let on_board =
