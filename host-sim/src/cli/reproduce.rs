@@ -13,9 +13,9 @@ pub(super) struct Args {
     /// Folder for index.html, report.json and the CSV files; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
-    /// Thirty seeds, the whole budget and hundreds of plants: minutes instead of seconds
+    /// Few seeds, plants and evaluations: a first look in a second or two, which leaves verdicts undecided
     #[arg(long)]
-    full: bool,
+    quick: bool,
     /// Of everything random
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -29,17 +29,17 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     report::prepare(&args.out)?;
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
-    let size = if args.full { Size::FULL } else { Size::SMALL };
+    let size = if args.quick { Size::QUICK } else { Size::FULL };
     let report = Report::compute(size, args.seed, &|doing| bar.set_message(doing.to_owned()))?;
     report.write(&args.out)?;
     bar.finish_and_clear();
     if args.json {
         return print_json(&report.document());
     }
-    let [reproduced, ambiguous, not, given] = report.tally();
+    let [reproduced, ambiguous, not, undecided, given] = report.tally();
     print(&format!(
         "{reproduced} statements reproduced, {ambiguous} within the paper's ambiguity, {not} not reproduced, \
-         {given} taken as given; {:.1} s\nreport: {}\n",
+         {undecided} undecided, {given} taken as given; {:.1} s\nreport: {}\n",
         begun.elapsed().as_secs_f64(),
         args.out.join("index.html").display()
     ))

@@ -19,6 +19,7 @@ pub(super) fn claims(searches: &Searches, seed: u64) -> Outcome<Section> {
         title: "Claims in words".to_owned(),
         text: String::new(),
         entries: vec![criteria(searches)?, lyapunov(searches)?, trade_off, rejection(seed)?],
+        measured: None,
         pictures: vec![picture],
     })
 }
@@ -217,6 +218,6 @@ pub(super) fn contradictions() -> Section {
                 entry(what, &paper, done, Verdict::WithinAmbiguity, "")
             })
             .into(),
-        pictures: vec![],
+        ..Section::default()
     }
 }

@@ -1,7 +1,8 @@
 //! The report as one HTML file: no network, no script; light and dark, wide and narrow, screen and paper.
 
-use super::{Entry, Picture, Report, Section, Verdict};
+use super::{Entry, Grid, Picture, Report, Section, Size, Verdict};
 use crate::error::Outcome;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use twinrotor_plot::{COLOURS, Colour, GRID, Layout, SOFT};
 
@@ -32,23 +33,27 @@ fn class(verdict: Verdict) -> &'static str {
         Verdict::Reproduced => "r",
         Verdict::WithinAmbiguity => "w",
         Verdict::NotReproduced => "n",
+        Verdict::Undecided => "u",
         Verdict::Given => "g",
     }
 }
 
-fn row(text: &mut String, e: &Entry) {
+/// A row that a chip leads to; its verdict leads to the next of the same kind.
+fn row(text: &mut String, e: &Entry, number: usize) {
     let remark = if e.remark.is_empty() {
         String::new()
     } else {
         format!("<span class=remark>{}</span>", escaped(&e.remark))
     };
+    let kind = class(e.verdict);
     let _ = writeln!(
         text,
-        "<tr><td>{}</td><td data-l=paper>{}</td><td data-l=here>{}{remark}</td><td class={}>{}</td></tr>",
+        "<tr id={kind}{number}><td>{}</td><td data-l=paper>{}</td><td data-l=here>{}{remark}</td>\
+         <td><a class={kind} href=#{kind}{} title=\"to the next\">{}</a></td></tr>",
         escaped(&e.what),
         escaped(&e.paper),
         escaped(&e.ours),
-        class(e.verdict),
+        number + 1,
         e.verdict.words()
     );
 }
@@ -72,7 +77,12 @@ fn picture(text: &mut String, p: &Picture) -> Outcome<()> {
     Ok(())
 }
 
-fn section(text: &mut String, number: usize, s: &Section) -> Outcome<()> {
+fn section(
+    text: &mut String,
+    number: usize,
+    s: &Section,
+    counts: &mut BTreeMap<&'static str, usize>,
+) -> Outcome<()> {
     let _ = writeln!(text, "<h2 id=s{number}>{}</h2>", escaped(&s.title));
     if !s.text.is_empty() {
         let _ = writeln!(text, "<p>{}</p>", escaped(&s.text));
@@ -82,11 +92,37 @@ fn section(text: &mut String, number: usize, s: &Section) -> Outcome<()> {
             "<table><thead><tr><th></th><th>paper</th><th>here</th><th>verdict</th></tr></thead><tbody>\n",
         );
         for e in &s.entries {
-            row(text, e);
+            let count = counts.entry(class(e.verdict)).or_default();
+            row(text, e, *count);
+            *count += 1;
         }
         text.push_str("</tbody></table>\n");
     }
+    if let Some(measured) = &s.measured {
+        grid(text, measured);
+    }
     s.pictures.iter().try_for_each(|p| picture(text, p))
+}
+
+fn grid(text: &mut String, g: &Grid) {
+    let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
+        cells.map(|c| format!("<{tag}>{}</{tag}>", escaped(c))).collect::<String>()
+    };
+    let _ = write!(
+        text,
+        "<div class=grid id={}><table><thead><tr>{}</tr></thead><tbody>",
+        g.name,
+        cells("th", &mut g.heads.iter().copied())
+    );
+    for row in &g.rows {
+        let _ = writeln!(text, "<tr>{}</tr>", cells("td", &mut row.iter().map(String::as_str)));
+    }
+    let _ = writeln!(
+        text,
+        "</tbody></table></div><p class=soft>{} <a href={}.csv>data</a></p>",
+        escaped(&g.note),
+        g.name
+    );
 }
 
 impl Report {
@@ -102,26 +138,31 @@ impl Report {
              <meta name=color-scheme content=\"light dark\"><title>The paper, \
              reproduced</title><style>{STYLE}</style>\n\
              <h1>Backstepping control of Quanser's 2-DOF Helicopter, reproduced</h1>\n\
-             <p class=soft>Every table, figure and claim of “Backstepping control of Quanser's 2-DOF \
-             Helicopter under disturbance and actuator saturation based on Flower Pollination Algorithm”, in \
-             its order, beside what Twinrotor {} gets. All numbers here were computed in one run, from {} \
-             seeds.</p>\n",
+             <p class=abstract>{}</p>\n\
+             <p class=soft>The paper: “Backstepping control of Quanser's 2-DOF Helicopter under disturbance \
+             and actuator saturation based on Flower Pollination Algorithm”. Its tables, figures and claims \
+             stand here in its order, each beside what was computed in one run by <code>host-sim \
+             reproduce{} --seed {}</code>, version {}: {} seeds of each search, {} plants.</p>\n",
+            escaped(&self.summary.join(" ")),
+            if self.size == Size::QUICK { " --quick" } else { "" },
+            self.seed,
             env!("CARGO_PKG_VERSION"),
-            self.size.seeds
+            self.size.seeds,
+            self.size.plants
         );
-        let [reproduced, ambiguous, not, given] = self.tally();
-        let _ = writeln!(
-            text,
-            "<div class=tally><span class=r>{reproduced} reproduced</span><span class=w>{ambiguous} within \
-             ambiguity</span>\
-             <span class=n>{not} not reproduced</span><span class=g>{given} given</span></div><nav>"
-        );
+        text.push_str("<div class=tally>");
+        for (verdict, count) in super::VERDICTS.into_iter().zip(self.tally()) {
+            let kind = class(verdict);
+            let _ = write!(text, "<a class={kind} href=#{kind}0>{count} {}</a>", verdict.words());
+        }
+        text.push_str("</div><nav>\n");
         for (k, s) in self.sections.iter().enumerate() {
             let _ = writeln!(text, "<a href=#s{k}>{}</a>", escaped(&s.title));
         }
         text.push_str("</nav>\n");
+        let mut counts = BTreeMap::new();
         for (k, s) in self.sections.iter().enumerate() {
-            section(&mut text, k, s)?;
+            section(&mut text, k, s, &mut counts)?;
         }
         text.push_str("</html>\n");
         Ok(text)

@@ -113,6 +113,7 @@ fn table_5(flown: &Flight) -> Section {
             1 ms."
             .to_owned(),
         entries,
+        measured: None,
         pictures: vec![picture(
             "fig-4a-responses",
             "Fig. 4a: pitch and yaw step responses.",
@@ -170,6 +171,7 @@ fn fig_5(flown: &Flight) -> Outcome<Section> {
         title: "Fig. 5: volts and squared errors".to_owned(),
         text: String::new(),
         entries,
+        measured: None,
         pictures: vec![picture(
             "fig-5-volts-errors",
             "Fig. 5: input voltages with their limits, and squared errors.",
@@ -205,6 +207,7 @@ fn fig_6() -> Outcome<Section> {
                 "the law cancels the coupling exactly",
             ),
         ],
+        measured: None,
         pictures: vec![picture(
             "fig-6-scenario-1",
             "Fig. 6: pitch step and yaw sine.",
@@ -254,6 +257,7 @@ fn fig_7() -> Outcome<Section> {
                 "text and equation disagree; the equation is flown",
             ),
         ],
+        measured: None,
         pictures: vec![picture(
             "fig-7-scenario-2",
             "Fig. 7: pitch step and yaw square.",
@@ -311,6 +315,7 @@ fn figs_8_9(seed: u64) -> Outcome<Section> {
                 "the text at Fig. 9 and eq. (36) disagree",
             ),
         ],
+        measured: None,
         pictures: vec![
             picture("fig-8-disturbance", "Fig. 8: the disturbance of each motor.", disturbances(&constant)),
             picture(
@@ -371,6 +376,7 @@ pub(super) fn fan(size: Size, seed: u64) -> Outcome<Section> {
             Verdict::of(count == size.fan),
             "",
         )],
+        measured: None,
         pictures: vec![picture(
             "fan",
             "The step on every plant.",

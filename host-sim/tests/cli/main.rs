@@ -317,20 +317,28 @@ fn a_front_comes_with_the_gains_of_every_point() {
 #[test]
 fn the_paper_is_reproduced_as_a_page_and_its_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    let report = json(folder.path(), &["reproduce", "--json"]);
+    let report = json(folder.path(), &["reproduce", "--quick", "--json"]);
     let read = |out: &str, name: &str| fs::read_to_string(folder.path().join(out).join(name)).unwrap();
-    assert!(host_sim(folder.path(), &["reproduce", "--out", "again"]).status.success());
+    assert!(host_sim(folder.path(), &["reproduce", "--quick", "--out", "again"]).status.success());
     let page = read("again", "index.html");
     for section in report["sections"].as_array().unwrap() {
         assert!(page.contains(section["title"].as_str().unwrap()), "{}", section["title"]);
         for entry in section["entries"].as_array().unwrap() {
             let verdict = entry["verdict"].as_str().unwrap();
             assert!(
-                ["reproduced", "within-ambiguity", "not-reproduced", "given"].contains(&verdict),
+                ["reproduced", "within-ambiguity", "not-reproduced", "undecided", "given"].contains(&verdict),
                 "{verdict}"
             );
         }
     }
+    for sentence in report["summary"].as_array().unwrap() {
+        assert!(page.contains(sentence.as_str().unwrap()), "{sentence}");
+    }
+    // What was measured is a table of its own, on the page and as a file.
+    let rivals = read("again", "table-6.csv");
+    assert!(page.contains("id=table-6") && rivals.lines().count() == 6, "{rivals}");
+    let columns = |row: &str| row.matches("\",\"").count();
+    assert!(rivals.lines().all(|row| columns(row) == 7), "{rivals}");
     let drawn = read("again", "fig-4a-responses.csv");
     assert!(drawn.lines().count() > 1_000 && drawn.lines().skip(1).all(|row| row.split(',').count() > 2));
     let written: Value = serde_json::from_str(&read("again", "report.json")).unwrap();

@@ -15,12 +15,14 @@ mod cost;
 mod kernel;
 mod limits;
 mod plants;
+mod ratio;
 mod tuning;
 
 pub use comparison::{Row, Spread, signed_rank};
 pub use cost::{Score, Terms, quantile, total};
 pub use limits::Limit;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
+pub use ratio::{Measure, Ratio};
 pub use tuning::{Plan, Robust, Tuning};
 
 use crate::parallel;
