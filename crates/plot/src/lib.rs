@@ -2,6 +2,7 @@
 
 pub mod flight;
 mod labels;
+pub mod moving;
 
 use labels::{number, power};
 use plotters::prelude::*;
