@@ -24,8 +24,8 @@ pub use motion::{
 };
 
 use crate::axes::{PerAxis, PerMotor};
-use crate::estimator::Estimate;
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};
+use crate::plant::State;
 use crate::supervisor::{Condition, Conditions};
 use motion::Motion;
 use persistence::Persistence;
@@ -45,11 +45,11 @@ pub const CURRENT_TICKS: u32 = 5;
 
 /// What the rules look at in one tick.
 #[derive(Debug, Clone, Copy)]
-pub struct Observation<'a> {
+pub struct Observation {
     /// \[counts\] Motion of each encoder since the last tick.
     pub moved: PerAxis<i32>,
-    /// What is believed.
-    pub estimate: &'a Estimate<f32>,
+    /// What is believed of where the rig is.
+    pub state: State<f32>,
     /// \[V\] What acted on the motors since the last tick.
     pub applied: PerMotor<f32>,
     /// \[V\] Supply of the amplifiers.
@@ -66,8 +66,6 @@ pub struct Observation<'a> {
     pub armed: bool,
     /// The law or the check turns them.
     pub motors_may_turn: bool,
-    /// After the link was lost, the reference has come to the rest pose.
-    pub landed: bool,
     /// A message came since the last tick.
     pub heard: bool,
 }
@@ -149,11 +147,11 @@ impl Monitor {
         self.silent == self.limits.command_timeout
     }
 
-    /// What is wrong in this tick.
+    /// What is wrong in this tick. `landed`: after the link was lost, has the reference come to the rest pose?
     #[inline(always)]
-    pub fn check(&mut self, observed: &Observation<'_>) -> Conditions {
+    pub fn check(&mut self, observed: &Observation, landed: impl FnOnce() -> bool) -> Conditions {
         let b = &self.limits;
-        let state = &observed.estimate.state;
+        let state = &observed.state;
         let jumped = observed.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
         let outside = !(observed.supply >= b.supply_low && observed.supply <= b.supply_high);
         let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
@@ -169,8 +167,9 @@ impl Monitor {
             self.disagrees = self.motion.disagrees(observed);
         }
         self.silent = if observed.heard { 0 } else { self.silent.saturating_add(1) };
-        let timeout = if observed.armed && !observed.landed { b.flight_timeout } else { b.command_timeout };
-        let silent = observed.motors_may_turn && self.silent >= timeout;
+        let silent = observed.motors_may_turn
+            && self.silent >= b.command_timeout
+            && (self.silent >= b.flight_timeout || !observed.armed || landed());
         // False with a NaN.
         let steady = (observed.supply - observed.supply_before).abs() <= SUPPLY_JUMP * observed.supply_before;
         Conditions::NONE

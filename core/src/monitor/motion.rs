@@ -150,8 +150,8 @@ impl Motion {
 
     /// Of every [`MOTION_EVERY`]th.
     #[inline(always)]
-    pub(super) fn disagrees(&mut self, observation: &Observation<'_>) -> PerAxis<bool> {
-        let state = &observation.estimate.state;
+    pub(super) fn disagrees(&mut self, observation: &Observation) -> PerAxis<bool> {
+        let state = &observation.state;
         let (rate, applied) = (state.rate, observation.applied);
         self.volts = follow(self.volts, applied, self.rotor_decay);
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
