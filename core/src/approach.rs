@@ -4,6 +4,7 @@ use crate::axes::PerAxis;
 use crate::parameters::{LostLink, Parameters};
 use crate::real::Real;
 use crate::reference::Reference;
+use core::hint::cold_path;
 
 /// \[ticks\] How long a setpoint that moves does so by itself. A host that is there sends many in that time.
 pub const HOLD_TICKS: u32 = 500;
@@ -104,9 +105,14 @@ impl Approach {
     /// The reference of this tick.
     #[inline(always)]
     pub fn step(&mut self) -> Reference<f32> {
-        let closing = if self.offset == PerAxis::zero() { PerAxis::zero() } else { self.close_in() };
+        let mut closing = PerAxis::zero();
+        if self.offset != closing {
+            cold_path();
+            closing = self.close_in();
+        }
         let now = self.setpoint;
         if self.moves > 0 {
+            cold_path();
             self.move_on();
         }
         Reference { angle: now.angle.plus(self.offset), rate: now.rate.plus(closing), accel: now.accel }

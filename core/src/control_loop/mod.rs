@@ -15,7 +15,8 @@ use crate::reference::Reference;
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
 use crate::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
-use crate::trial::{Accepted, Candidate, Trial};
+use crate::trial::{Accepted, Candidate, NOTE_EVERY, Trial};
+use core::hint::cold_path;
 use serde::{Deserialize, Serialize};
 
 /// Counters in, duties out, once a tick.
@@ -29,9 +30,7 @@ pub struct ControlLoop {
     encoders: PerAxis<Encoder>,
     /// \[ticks\] Since an encoder last moved.
     still: u32,
-    conditions: Conditions,
     supervisor: Supervisor,
-    changed: bool,
     decision: Decision<f32>,
     supply: f32,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
@@ -134,8 +133,6 @@ impl ControlLoop {
             approach: Approach::new(parameters),
             drive,
             supply_low: parameters.limits.supply_low,
-            conditions: Conditions::NONE,
-            changed: false,
             decision: Decision::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
@@ -159,13 +156,13 @@ impl ControlLoop {
     /// What was wrong in the last tick.
     #[inline(always)]
     pub fn conditions(&self) -> Conditions {
-        self.conditions
+        self.supervisor.present()
     }
 
     /// Whether state or conditions are others than before the last tick.
     #[inline(always)]
     pub fn has_changed(&self) -> bool {
-        self.changed
+        self.supervisor.has_changed()
     }
 
     fn is_armed(&self) -> bool {
@@ -190,7 +187,7 @@ impl ControlLoop {
         Frame {
             tick,
             state: self.state(),
-            conditions: self.conditions,
+            conditions: self.conditions(),
             angle: decision.estimate.state.angle,
             rate: decision.estimate.state.rate,
             disturbance: decision.estimate.disturbance,
@@ -243,8 +240,9 @@ impl ControlLoop {
 
     /// \[N m\] What the limits left over of what the law asked for.
     fn unallocated_torque(&self) -> PerAxis<f32> {
-        if self.is_armed() {
-            self.accepted.pipeline.unallocated_torque(&self.decision.allocation)
+        let allocation = &self.decision.allocation;
+        if self.is_armed() && allocation.volts != allocation.demand {
+            self.accepted.pipeline.unallocated_torque(allocation)
         } else {
             PerAxis::zero()
         }
@@ -255,21 +253,26 @@ impl ControlLoop {
     pub fn tick(&mut self, inputs: &Inputs<'_>) -> Outputs {
         let command = self.take(inputs);
         let (measured, moved) = self.read_encoders(inputs.counters);
-        let mut belief = self.accepted.pipeline.believe(measured, self.latched);
+        let belief = self.accepted.pipeline.believe(measured, self.latched);
         let tried = self.trial.as_mut().map(|trial| trial.believe(measured, self.latched));
-        let state = match (&tried, &self.trial) {
-            (Some(tried), Some(trial)) if trial.phase() == TrialPhase::Flying => tried.estimate.state,
-            _ => belief.estimate.state,
-        };
-        self.find_conditions(inputs, state, moved);
-        if self.supervise(inputs.disarm, command, measured) {
-            // In parts, so that the compiler keeps the other belief, of nearly all ticks, in registers.
-            let Belief { estimate, dynamics } = self.accepted.pipeline.believe_once(measured, self.latched);
-            belief = Belief { estimate, dynamics };
+        let State { mut angle, mut rate } = belief.estimate.state;
+        if let (Some(tried), Some(trial)) = (&tried, &self.trial)
+            && trial.phase() == TrialPhase::Flying
+        {
+            cold_path();
+            (angle, rate) = (tried.estimate.state.angle, tried.estimate.state.rate);
         }
+        let found = self.find_conditions(inputs, angle, rate, moved);
+        let changes = self.supervise(found, inputs.disarm, command, measured);
         let reference = self.follow(command);
-        self.decide(belief, reference, measured);
+        if changes {
+            cold_path();
+            self.decide_afresh(reference, measured);
+        } else {
+            self.decide(belief, reference, measured, Pipeline::decide);
+        }
         if let (Some(belief), true) = (tried, self.is_armed()) {
+            let reference = reference;
             self.go_on_trying(belief, &reference, command);
         }
         if let (Some(candidate), None, true) = (inputs.trial, &self.trial, self.is_armed()) {
@@ -289,6 +292,7 @@ impl ControlLoop {
     #[inline(always)]
     fn take<'a>(&mut self, inputs: &Inputs<'a>) -> Option<&'a OperatorCommand> {
         let Numbered { sequence, message } = inputs.command.filter(|_| !inputs.disarm)?;
+        cold_path();
         self.taken = Some((*sequence, self.tick));
         Some(message)
     }
@@ -305,10 +309,18 @@ impl ControlLoop {
         (measured, moved)
     }
 
-    fn find_conditions(&mut self, inputs: &Inputs<'_>, state: State<f32>, moved: PerAxis<i32>) {
+    fn find_conditions(
+        &mut self,
+        inputs: &Inputs<'_>,
+        angle: PerAxis<f32>,
+        rate: PerAxis<f32>,
+        moved: PerAxis<i32>,
+    ) -> Conditions {
         let observed = Observation {
+            tick: self.tick,
             moved,
-            state,
+            angle,
+            rate,
             applied: self.latched,
             supply: inputs.supply,
             supply_before: self.supply,
@@ -321,29 +333,45 @@ impl ControlLoop {
         };
         let found = self.monitor.check(&observed, || self.approach.has_landed());
         // A jump means lost counts: where zero was is no longer known.
-        self.zeroed &= !(found.contains(Condition::PitchJump) || found.contains(Condition::YawJump));
-        let now = found
+        if found.contains(Condition::PitchJump) || found.contains(Condition::YawJump) {
+            cold_path();
+            self.zeroed = false;
+        }
+        found
             .union(inputs.senses)
             .with(Condition::NotZeroed, !self.zeroed)
-            .with(Condition::NotChecked, !self.checked);
-        self.changed = now != self.conditions;
-        self.conditions = now;
+            .with(Condition::NotChecked, !self.checked)
     }
 
-    /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so
-    /// do reference and monitor.
-    fn supervise(&mut self, disarm: bool, command: Option<&OperatorCommand>, measured: PerAxis<f32>) -> bool {
-        let before = self.supervisor.state();
-        let request = match (self.verdict.take(), command) {
-            (Some(_), _) => Some(Request::Disarm),
-            _ if disarm => Some(Request::Disarm),
-            (None, Some(OperatorCommand::Request(request))) => Some(*request),
+    /// Moves the supervisor with what was `found`, if that or the operator may move it. At a change of state
+    /// the estimator starts afresh, which this tells; at arming so do reference and monitor.
+    #[inline(always)]
+    fn supervise(
+        &mut self,
+        found: Conditions,
+        disarm: bool,
+        command: Option<&OperatorCommand>,
+        measured: PerAxis<f32>,
+    ) -> bool {
+        let request = match command {
+            _ if self.verdict.is_some() || disarm => Some(Request::Disarm),
+            Some(OperatorCommand::Request(request)) => Some(*request),
             _ => None,
         };
-        if !self.supervisor.step(self.conditions, request) {
+        if request.is_none() && self.supervisor.is_settled(found) {
             return false;
         }
-        self.changed = true;
+        cold_path();
+        self.change_state(found, request, measured)
+    }
+
+    #[inline(never)]
+    fn change_state(&mut self, found: Conditions, request: Option<Request>, measured: PerAxis<f32>) -> bool {
+        let before = self.supervisor.state();
+        self.verdict = None;
+        if !self.supervisor.step(found, request) {
+            return false;
+        }
         self.accepted.pipeline.restart(measured);
         self.accepted.worst = PerAxis::zero();
         self.trial = None;
@@ -363,25 +391,35 @@ impl ControlLoop {
     }
 
     fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
-        match command {
-            Some(OperatorCommand::Setpoint(setpoint)) => self.approach.aim(*setpoint),
-            Some(OperatorCommand::Zero)
-                if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() =>
-            {
-                self.zero();
-            }
-            _ => {}
+        if let Some(command) = command {
+            cold_path();
+            self.follow_command(command);
         }
         if !self.is_armed() {
+            cold_path();
             return self.approach.idle();
         }
         if self.monitor.has_just_lost_link() {
+            cold_path();
             self.approach.lose_link();
             if let Some(trial) = &mut self.trial {
                 trial.take_back();
             }
         }
         self.approach.step()
+    }
+
+    #[inline(never)]
+    fn follow_command(&mut self, command: &OperatorCommand) {
+        match command {
+            OperatorCommand::Setpoint(setpoint) => self.approach.aim(*setpoint),
+            OperatorCommand::Zero
+                if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() =>
+            {
+                self.zero();
+            }
+            _ => {}
+        }
     }
 
     /// Takes where the rig lies for its rest pose.
@@ -392,13 +430,27 @@ impl ControlLoop {
         self.zeroed = true;
     }
 
-    /// What the motors are to do: what the law says when armed, what the check says when checking, else
+    /// What the motors are to do after a change of state, with which the estimator has started afresh.
+    #[inline(never)]
+    fn decide_afresh(&mut self, reference: Reference<f32>, measured: PerAxis<f32>) {
+        let belief = self.accepted.pipeline.believe_once(measured, self.latched);
+        self.decide(belief, reference, measured, Pipeline::decide_once);
+    }
+
+    /// What the motors are to do: what the `law` says when armed, what the check says when checking, else
     /// nothing.
-    fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
+    #[inline(always)]
+    fn decide(
+        &mut self,
+        belief: Belief<f32>,
+        reference: Reference<f32>,
+        measured: PerAxis<f32>,
+        law: impl FnOnce(&mut Pipeline<f32>, Belief<f32>, &Reference<f32>) -> Decision<f32>,
+    ) {
         if self.is_armed() {
-            self.decision = self.accepted.pipeline.decide(belief, &reference);
+            self.decision = law(&mut self.accepted.pipeline, belief, &reference);
             // During a trial, errors are not its own alone.
-            if self.trial.is_none() {
+            if self.tick.is_multiple_of(NOTE_EVERY) && self.trial.is_none() {
                 self.accepted.note(&self.decision);
             }
             return;
