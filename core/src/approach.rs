@@ -4,7 +4,6 @@ use crate::axes::PerAxis;
 use crate::parameters::{LostLink, Parameters};
 use crate::real::Real;
 use crate::reference::Reference;
-use core::hint::cold_path;
 
 /// \[ticks\] How long a setpoint that moves does so by itself. A host that is there sends many in that time.
 pub const HOLD_TICKS: u32 = 500;
@@ -96,23 +95,26 @@ impl Approach {
         self.landing && self.offset == PerAxis::zero()
     }
 
+    /// The way is done and the setpoint does not move: the reference is [`Self::idle`], and need not be stepped.
+    #[inline(always)]
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        self.moves == 0 && self.offset == PerAxis::zero()
+    }
+
     /// The setpoint, at rest: what the reference is while nothing follows it.
+    #[inline(always)]
     #[must_use]
     pub fn idle(&self) -> Reference<f32> {
         Reference::at_rest(self.setpoint.angle)
     }
 
     /// The reference of this tick.
-    #[inline(always)]
+    #[inline(never)]
     pub fn step(&mut self) -> Reference<f32> {
-        let mut closing = PerAxis::zero();
-        if self.offset != closing {
-            cold_path();
-            closing = self.close_in();
-        }
+        let closing = if self.offset == PerAxis::zero() { PerAxis::zero() } else { self.close_in() };
         let now = self.setpoint;
         if self.moves > 0 {
-            cold_path();
             self.move_on();
         }
         Reference { angle: now.angle.plus(self.offset), rate: now.rate.plus(closing), accel: now.accel }

@@ -12,7 +12,7 @@ use crate::pipeline::{Decision, Pipeline};
 use crate::plant::State;
 use crate::real::Real;
 use crate::reference::Reference;
-use crate::sequence::{Numbered, Sequence};
+use crate::sequence::Numbered;
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
 use crate::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
 use crate::trial::{Accepted, Candidate, NOTE_EVERY, Trial};
@@ -35,8 +35,7 @@ pub struct ControlLoop {
     supply: f32,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
     latched: PerMotor<f32>,
-    /// The last command, and in which tick it came.
-    taken: Option<(Sequence, u32)>,
+    taken: Taken,
     kept: Kept,
     zeroed: bool,
     checked: bool,
@@ -136,7 +135,7 @@ impl ControlLoop {
             decision: Decision::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
-            taken: None,
+            taken: Taken::default(),
         }
     }
 
@@ -183,9 +182,8 @@ impl ControlLoop {
     #[inline(always)]
     pub fn frame(&self) -> Frame {
         let decision = &self.decision;
-        let tick = self.tick.wrapping_sub(1);
         Frame {
-            tick,
+            tick: self.tick.wrapping_sub(1),
             state: self.state(),
             conditions: self.conditions(),
             angle: decision.estimate.state.angle,
@@ -196,10 +194,7 @@ impl ControlLoop {
             unallocated_torque: self.unallocated_torque(),
             volts: self.latched,
             supply: self.supply,
-            taken: self.taken.map_or(Taken::default(), |(sequence, at)| Taken {
-                sequence,
-                ago: u8::try_from(tick.wrapping_sub(at)).unwrap_or(u8::MAX),
-            }),
+            taken: self.taken,
             controller: self.in_force(),
         }
     }
@@ -291,9 +286,10 @@ impl ControlLoop {
     /// The command that counts in this tick: none where the operator disarms.
     #[inline(always)]
     fn take<'a>(&mut self, inputs: &Inputs<'a>) -> Option<&'a OperatorCommand> {
+        self.taken.ago = self.taken.ago.saturating_add(1);
         let Numbered { sequence, message } = inputs.command.filter(|_| !inputs.disarm)?;
         cold_path();
-        self.taken = Some((*sequence, self.tick));
+        self.taken = Taken { sequence: *sequence, ago: 0 };
         Some(message)
     }
 
@@ -390,23 +386,26 @@ impl ControlLoop {
         true
     }
 
+    #[inline(always)]
     fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
         if let Some(command) = command {
             cold_path();
             self.follow_command(command);
         }
-        if !self.is_armed() {
-            cold_path();
-            return self.approach.idle();
-        }
-        if self.monitor.has_just_lost_link() {
-            cold_path();
-            self.approach.lose_link();
-            if let Some(trial) = &mut self.trial {
-                trial.take_back();
+        if self.is_armed() {
+            if self.monitor.has_just_lost_link() {
+                cold_path();
+                self.approach.lose_link();
+                if let Some(trial) = &mut self.trial {
+                    trial.take_back();
+                }
+            }
+            if !self.approach.rests() {
+                cold_path();
+                return self.approach.step();
             }
         }
-        self.approach.step()
+        self.approach.idle()
     }
 
     #[inline(never)]
