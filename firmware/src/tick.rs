@@ -36,6 +36,8 @@ struct Tick<P> {
     changes: Producer<'static, Change>,
     until_frame: u16,
     last_begin: u32,
+    /// \[counts of the stopwatch\]
+    longest: u32,
     /// The last tick ended too late, or this one began too late.
     overrun: bool,
 }
@@ -97,6 +99,7 @@ pub(crate) fn start(
             changes,
             until_frame: 0,
             last_begin: clock.now(),
+            longest: 0,
             overrun: false,
         });
     }
@@ -141,7 +144,8 @@ impl<P: PlantPort> Tick<P> {
         }
         wake::wake();
         let taken = self.clock.now().wrapping_sub(begin);
-        if taken > TICK_COUNTS_MAX.load(Ordering::Relaxed) {
+        if taken > self.longest {
+            self.longest = taken;
             TICK_COUNTS_MAX.store(taken, Ordering::Relaxed);
         }
         self.overrun = self.clock.tick_due();
@@ -188,8 +192,9 @@ impl<P: PlantPort> Tick<P> {
         if control.core.has_changed() {
             self.tell_change(control);
         }
-        self.until_frame = self.until_frame.saturating_sub(1);
-        if self.until_frame == 0 {
+        if self.until_frame > 1 {
+            self.until_frame = self.until_frame.wrapping_sub(1);
+        } else {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
             if self.frames.enqueue(control.core.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);

@@ -249,13 +249,15 @@ impl ControlLoop {
         let command = self.take(inputs);
         let (measured, moved) = self.read_encoders(inputs.counters);
         let belief = self.accepted.pipeline.believe(measured, self.latched);
-        let tried = self.trial.as_mut().map(|trial| trial.believe(measured, self.latched));
         let State { mut angle, mut rate } = belief.estimate.state;
-        if let (Some(tried), Some(trial)) = (&tried, &self.trial)
-            && trial.phase() == TrialPhase::Flying
-        {
+        let mut tried = None;
+        if let Some(trial) = &mut self.trial {
             cold_path();
-            (angle, rate) = (tried.estimate.state.angle, tried.estimate.state.rate);
+            let belief = trial.believe(measured, self.latched);
+            if trial.phase() == TrialPhase::Flying {
+                State { angle, rate } = belief.estimate.state;
+            }
+            tried = Some(belief);
         }
         let found = self.find_conditions(inputs, angle, rate, moved);
         let changes = self.supervise(found, inputs.disarm, command, measured);
@@ -267,8 +269,9 @@ impl ControlLoop {
             self.decide(belief, reference, measured, Pipeline::decide);
         }
         if let (Some(belief), true) = (tried, self.is_armed()) {
-            let reference = reference;
-            self.go_on_trying(belief, &reference, command);
+            cold_path();
+            let Reference { angle, rate, accel } = reference;
+            self.go_on_trying(belief, &Reference { angle, rate, accel }, command);
         }
         if let (Some(candidate), None, true) = (inputs.trial, &self.trial, self.is_armed()) {
             self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
@@ -402,7 +405,9 @@ impl ControlLoop {
             }
             if !self.approach.rests() {
                 cold_path();
-                return self.approach.step();
+                // In parts: a whole one would have its place in memory, and every tick would go by it.
+                let Reference { angle, rate, accel } = self.approach.step();
+                return Reference { angle, rate, accel };
             }
         }
         self.approach.idle()
