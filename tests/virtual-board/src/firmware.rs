@@ -88,6 +88,16 @@ impl Firmware {
         Self::read(&built("sign-magnitude/"))
     }
 
+    /// The released image with the feature `bootstrap`: where
+    /// `cargo fw --features bootstrap --target-dir target/bootstrap` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn bootstrap() -> Result<Self, Error> {
+        Self::read(&built("bootstrap/"))
+    }
+
     /// The released image with the feature `debug`: where
     /// `cargo fw --features debug --target-dir target/debug-build` puts it.
     ///
