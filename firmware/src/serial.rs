@@ -72,17 +72,15 @@ async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     wake::listen();
     loop {
         reports.log();
-        match outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports) {
-            Some(message) => transmit(&mut uart, &message, buffer).await,
+        let message = outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports);
+        match message.and_then(|message| link::encode(&message, buffer).ok()) {
+            // What is waited for is the frame's end: of the message, which is large, there is no copy then.
+            Some(frame) => {
+                // The only error is one of reception.
+                let _ = uart.write(frame).await;
+            }
             None => wake::woken().await,
         }
-    }
-}
-
-async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &mut [u8; MAX_FRAME]) {
-    if let Ok(frame) = link::encode(message, buffer) {
-        // The only error is one of reception.
-        let _ = uart.write(frame).await;
     }
 }
 
