@@ -95,7 +95,7 @@ impl Approach {
         self.landing && self.offset == PerAxis::zero()
     }
 
-    /// The way is done and the setpoint does not move: the reference is [`Self::idle`], and need not be stepped.
+    /// The way is done and the setpoint does not move: the reference is [`Self::idle`], without a step.
     #[inline(always)]
     #[must_use]
     pub fn rests(&self) -> bool {

@@ -185,8 +185,8 @@ fn no_soft_double_no_float_formatting_no_allocator() {
     assert!(found.is_empty(), "{found:?}");
 }
 
-/// Each thing that the log tells, by its words, which defmt keeps as the names of symbols: none of them is on the
-/// chip, and none is told from within the tick.
+/// Each thing that the log tells, by its words, which defmt keeps as the names of symbols: none of them is on
+/// the chip, and none is told from within the tick.
 #[test]
 #[cfg_attr(not(feature = "elf-tests"), ignore = "reads the ELF: cargo fw, then cargo fw-test")]
 fn the_log_tells_what_the_board_does_and_its_words_stay_in_the_file() {

@@ -123,8 +123,8 @@ const FPCAR: u32 = 0xE000_EF38;
 /// No memory and no register lies there.
 const NOTHING: u32 = 0x9000_0000;
 
-/// A handler that sends the registers to `address`: MOVW and MOVT of r0 and r1, STR r1, [r0], VMOV s0, s0, B .
-/// (A7.7.76, A7.7.79, A7.7.161, A7.7.240, A7.7.12).
+/// A handler that sends the registers to `address`: MOVW and MOVT of r0 and r1, STR r1, [r0], VMOV s0, s0,
+/// B . (A7.7.76, A7.7.79, A7.7.161, A7.7.240, A7.7.12).
 fn saves_registers_at(address: u32) -> Vec<u8> {
     let half = |register: u32, value: u32, opcode: u32| {
         let (i, imm4, imm3, imm8) = (value >> 11 & 1, value >> 12, value >> 8 & 7, value & 0xFF);

@@ -88,7 +88,8 @@ fn highest(firmware: Firmware) -> f64 {
     shares.filter_map(Drive::share_high).fold(0.0, f64::max)
 }
 
-/// A bootstrap's 3 % of each period, 1.5 us: the released firmware takes the whole supply where it is asked for.
+/// A bootstrap's 3 % of each period, 1.5 us: the released firmware takes the whole supply where it is asked
+/// for.
 #[test]
 fn a_build_for_bootstrapped_bridges_leaves_each_time_to_charge() {
     let limited = highest(Firmware::bootstrap().unwrap_or_else(|why| panic!("{why}")));
