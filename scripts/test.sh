@@ -12,6 +12,7 @@ toolchain="$(scripts/setup-target.sh)"
 firmware() { RUSTUP_TOOLCHAIN="$toolchain" cargo fw "$@"; }
 stage "firmware" firmware
 stage "firmware, sign and magnitude" firmware --features sign-magnitude --target-dir target/sign-magnitude
+stage "firmware, for bootstrapped bridges" firmware --features bootstrap --target-dir target/bootstrap
 stage "firmware, for a debugger" firmware --features debug --target-dir target/debug-build
 stage "tests of the firmware as a file" cargo fw-test
 stage "tests on the virtual board" cargo board-test

@@ -4,7 +4,7 @@
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;
 use crate::receiver::Receiver;
-use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_COUNTS_MAX, TICKS};
+use crate::shared::{Commands, FRAME_EVERY, FRAMES_DROPPED, Flag, Reports, TICK_COUNTS_MAX, TICKS};
 use crate::storage::Storage;
 use crate::{clock, log, nonce, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -72,17 +72,15 @@ async fn send(mut uart: UartTx<'static, Async>, mut reports: Reports) {
     wake::listen();
     loop {
         reports.log();
-        match outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports) {
-            Some(message) => transmit(&mut uart, &message, buffer).await,
+        let message = outgoing.next(TICKS.load(Ordering::Relaxed), &mut reports);
+        match message.and_then(|message| link::encode(&message, buffer).ok()) {
+            // What is waited for is the frame's end: of the message, which is large, there is no copy then.
+            Some(frame) => {
+                // The only error is one of reception.
+                let _ = uart.write(frame).await;
+            }
             None => wake::woken().await,
         }
-    }
-}
-
-async fn transmit(uart: &mut UartTx<'static, Async>, message: &ToHost, buffer: &mut [u8; MAX_FRAME]) {
-    if let Ok(frame) = link::encode(message, buffer) {
-        // The only error is one of reception.
-        let _ = uart.write(frame).await;
     }
 }
 
@@ -151,12 +149,12 @@ impl Operator {
         }
         STALE.store(stale, Ordering::Relaxed);
         if response.heard {
-            HEARD.store(true, Ordering::Relaxed);
+            Flag::Heard.raise();
         }
         match response.action {
             Action::Nothing => {}
             Action::Answer(message) => answer(message).await,
-            Action::Disarm => DISARM.store(true, Ordering::Relaxed),
+            Action::Disarm => Flag::Disarm.raise(),
             Action::Command(command) => {
                 // There is room: the conversation was told so, and only the tick makes more.
                 let _ = self.commands.enqueue(command);

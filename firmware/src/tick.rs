@@ -5,8 +5,8 @@ use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::Change;
 use crate::shared::{
-    CHANGES, Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
-    TICK_COUNTS_MAX, TICKS, VERDICTS, take,
+    CHANGES, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, Flag, Flags, LED_PATTERN, Reports,
+    TICK_COUNTS_MAX, TICKS, VERDICTS,
 };
 use crate::{led, wake, watchdog};
 use core::cell::UnsafeCell;
@@ -20,7 +20,7 @@ use twinrotor::control_loop::{ControlLoop, Inputs};
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::{Parameters, Provenance};
-use twinrotor::supervisor::{ArmState, Condition, Conditions};
+use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
 /// \[counts\] More than this from one tick to the next, and one has been missed.
@@ -34,9 +34,10 @@ struct Tick<P> {
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
     changes: Producer<'static, Change>,
-    last: (ArmState, Conditions),
     until_frame: u16,
     last_begin: u32,
+    /// \[counts of the stopwatch\]
+    longest: u32,
     /// The last tick ended too late, or this one began too late.
     overrun: bool,
 }
@@ -96,9 +97,9 @@ pub(crate) fn start(
             frames,
             verdicts,
             changes,
-            last: (ArmState::Disarmed, Conditions::NONE),
             until_frame: 0,
             last_begin: clock.now(),
+            longest: 0,
             overrun: false,
         });
     }
@@ -143,7 +144,8 @@ impl<P: PlantPort> Tick<P> {
         }
         wake::wake();
         let taken = self.clock.now().wrapping_sub(begin);
-        if taken > TICK_COUNTS_MAX.load(Ordering::Relaxed) {
+        if taken > self.longest {
+            self.longest = taken;
             TICK_COUNTS_MAX.store(taken, Ordering::Relaxed);
         }
         self.overrun = self.clock.tick_due();
@@ -155,7 +157,8 @@ impl<P: PlantPort> Tick<P> {
     /// The core's tick, and what it has to report.
     #[inline(always)]
     fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
-        let disarm = take(&DISARM);
+        let flags = Flags::take();
+        let disarm = flags.contain(Flag::Disarm);
         let command = commands::next(&mut self.commands, disarm);
         let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
@@ -163,11 +166,11 @@ impl<P: PlantPort> Tick<P> {
             current_limit: sensed.current_limit,
             senses: control
                 .standing
-                .with(Condition::EmergencyStop, sensed.emergency_stop)
+                .with(Condition::EmergencyStop, sensed.emergency_stop | flags.contain(Flag::StopEdge))
                 .with(Condition::SensorStale, !sensed.fresh)
                 .with(Condition::TickOverrun, self.overrun | missed)
-                .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
-            heard: take(&HEARD),
+                .with(Condition::StackGuard, flags.contain(Flag::StackLow)),
+            heard: flags.contain(Flag::Heard),
             disarm,
             trial: None,
             command,
@@ -185,19 +188,24 @@ impl<P: PlantPort> Tick<P> {
 
     #[inline(always)]
     fn report(&mut self, control: &Control) {
-        LED_PATTERN.store(led::pattern(control.core.state(), control.board), Ordering::Relaxed);
-        let (tick, now) = (control.core.next_tick(), (control.core.state(), control.core.conditions()));
-        TICKS.store(tick, Ordering::Relaxed);
-        if now != self.last {
-            self.last = now;
-            let _ = self.changes.enqueue(Change { tick, state: now.0, conditions: now.1 });
+        TICKS.store(control.core.next_tick(), Ordering::Relaxed);
+        if control.core.has_changed() {
+            self.tell_change(control);
         }
-        self.until_frame = self.until_frame.saturating_sub(1);
-        if self.until_frame == 0 {
+        if self.until_frame > 1 {
+            self.until_frame = self.until_frame.wrapping_sub(1);
+        } else {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
             if self.frames.enqueue(control.core.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
         }
+    }
+
+    #[inline(never)]
+    fn tell_change(&mut self, control: &Control) {
+        let (tick, state) = (control.core.next_tick(), control.core.state());
+        LED_PATTERN.store(led::pattern(state, control.board), Ordering::Relaxed);
+        let _ = self.changes.enqueue(Change { tick, state, conditions: control.core.conditions() });
     }
 }

@@ -10,6 +10,7 @@ use crate::parameters::LostLink;
 use crate::pipeline::Settings;
 use crate::plant::RealPlant;
 use crate::plant::presets::{self, Rig};
+use crate::sequence::Sequence;
 use std::string::String;
 use std::vec::Vec;
 use std::{format, println};
@@ -518,6 +519,19 @@ fn the_first_power_check_names_what_is_connected_wrongly() {
             spoil(&mut flight.bench.faults);
             assert_eq!(check(&mut flight), Verdict::Wrong(fault), "{name}");
             assert!(flight.frame(None).conditions.contains(Condition::NotChecked));
+        }
+    }
+}
+
+/// Also where the other encoder alone shows the right directions.
+#[test]
+fn the_first_power_check_misses_an_encoder_that_is_not_connected() {
+    for (name, rig) in presets::ALL {
+        for stuck in [PerAxis::new(true, false), PerAxis::new(false, true)] {
+            let mut flight = Flight::new(&rig, false);
+            flight.bench.faults.encoder_stuck = stuck;
+            let verdict = check(&mut flight);
+            assert_ne!(verdict, Verdict::Passed, "{name} {stuck:?}");
         }
     }
 }

@@ -44,7 +44,7 @@ pub struct Push {
 pub enum Verdict {
     /// Both motors turn the rig as the model says.
     Passed,
-    /// A push moved nothing: supply, amplifier, motor or encoder not connected.
+    /// A push moved nothing, or not what it should move: supply, amplifier, motor or encoder not connected.
     NoMotion {
         /// Which motor's push.
         motor: Motor,
@@ -189,7 +189,24 @@ impl FirstPowerCheck {
                 best = (fault, fit);
             }
         }
-        best.0.map_or(Verdict::Passed, Verdict::Wrong)
+        match (best.0, self.silent_encoder()) {
+            (Some(fault), _) => Verdict::Wrong(fault),
+            (None, Some(motor)) => Verdict::NoMotion { motor },
+            (None, None) => Verdict::Passed,
+        }
+    }
+
+    /// The motor that should have moved an encoder which has shown not one count of either push. The other
+    /// encoder's directions can be right all the same.
+    fn silent_encoder(&self) -> Option<Motor> {
+        let expected = self.pushes.map(|push| push.motion);
+        let silent = |of: fn(PerAxis<f32>) -> f32| {
+            let [main, tail] = expected.map(|motion| of(motion).abs()).to_array();
+            let shown = self.observed.map(|moved| of(moved).abs());
+            (shown.main + shown.tail <= 0.0 && Real::max(main, tail) > LEAST_MOTION)
+                .then_some(if main > tail { Motor::Main } else { Motor::Tail })
+        };
+        silent(|motion| motion.pitch).or(silent(|motion| motion.yaw))
     }
 }
 

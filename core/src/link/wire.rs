@@ -2,6 +2,7 @@
 
 use super::VERSION;
 use core::fmt;
+use core::ops::Range;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -50,16 +51,45 @@ impl fmt::Display for LinkError {
 /// # Errors
 /// [`LinkError::TooLong`].
 pub fn encode<'b, M: Serialize>(message: &M, buffer: &'b mut [u8; MAX_FRAME]) -> Result<&'b [u8], LinkError> {
-    let mut plain = [0; MAX_MESSAGE];
+    let (_, plain) = buffer.split_at_mut(AHEAD);
     let (version, rest) = plain.split_first_mut().ok_or(LinkError::TooLong)?;
     *version = VERSION;
     let length = 1 + postcard::to_slice(message, rest).map_err(|_| LinkError::TooLong)?.len();
     let crc = CRC.checksum(plain.get(..length).ok_or(LinkError::TooLong)?).to_le_bytes();
     plain.get_mut(length..length + CRC_SIZE).ok_or(LinkError::TooLong)?.copy_from_slice(&crc);
-    let body = plain.get(..length + CRC_SIZE).ok_or(LinkError::TooLong)?;
-    let end = cobs::try_encode(body, buffer).map_err(|_| LinkError::TooLong)?;
-    *buffer.get_mut(end).ok_or(LinkError::TooLong)? = 0;
+    let end = stuff(buffer, AHEAD..AHEAD + length + CRC_SIZE);
     buffer.get(..=end).ok_or(LinkError::TooLong)
+}
+
+/// \[byte\] How far a message lies before its frame, in the same buffer: as much as COBS adds, and more.
+const AHEAD: usize = MAX_FRAME - MAX_MESSAGE;
+
+/// The bytes at `plain`, [`AHEAD`] or later, by COBS at the buffer's beginning, where they never catch up
+/// with what is still to be read: in place of each zero, and after each run of 254 bytes that are none, stands
+/// a byte that says how far the next one is. Gives the place of the zero behind them.
+fn stuff(buffer: &mut [u8; MAX_FRAME], plain: Range<usize>) -> usize {
+    let (mut mark, mut end, mut distance) = (0, 1, 1_u8);
+    for at in plain {
+        let byte = buffer.get(at).copied().unwrap_or(0);
+        if byte != 0 {
+            put(buffer, end, byte);
+            (end, distance) = (end.saturating_add(1), distance.saturating_add(1));
+        }
+        if byte == 0 || distance == u8::MAX {
+            put(buffer, mark, distance);
+            (mark, end, distance) = (end, end.saturating_add(1), 1);
+        }
+    }
+    put(buffer, mark, distance);
+    put(buffer, end, 0);
+    end
+}
+
+/// Within the buffer, as all of a message is.
+fn put(buffer: &mut [u8; MAX_FRAME], at: usize, byte: u8) {
+    if let Some(place) = buffer.get_mut(at) {
+        *place = byte;
+    }
 }
 
 /// Puts frames together from bytes as they come.
@@ -113,5 +143,35 @@ fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, LinkError> {
         },
         Some((&found, _)) => Err(LinkError::Version { found }),
         None => Err(LinkError::Damaged),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// What another implementation of COBS makes of the same bytes; none of them zero, many, all.
+        #[test]
+        fn a_frame_is_what_cobs_makes_of_a_message(
+            mut bytes in prop::collection::vec(any::<u8>(), 0..=MAX_MESSAGE),
+            zeros in 0_u8..=3,
+        ) {
+            for byte in &mut bytes {
+                *byte = match zeros {
+                    0 => *byte | 1,
+                    1 => *byte,
+                    2 => *byte & 1,
+                    _ => 0,
+                };
+            }
+            let mut buffer = [0xAA; MAX_FRAME];
+            buffer[AHEAD..AHEAD + bytes.len()].copy_from_slice(&bytes);
+            let end = stuff(&mut buffer, AHEAD..AHEAD + bytes.len());
+            let mut expected = [0; MAX_FRAME];
+            let length = cobs::try_encode(&bytes, &mut expected).unwrap();
+            prop_assert_eq!(&buffer[..=end], &expected[..=length]);
+        }
     }
 }

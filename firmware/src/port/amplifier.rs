@@ -19,9 +19,14 @@ pub(crate) const FULL_STEPS: u32 = BOARD.full_steps();
 // What the host simulates is what this board does.
 const _: () = assert!(FULL_STEPS == presets::PWM_STEPS);
 
-/// \[steps\] The most of them. Half bridges with a bootstrap need 3 % of each period to charge it: 1.5 µs.
-pub(crate) const MOST_STEPS: u32 =
-    if cfg!(feature = "bootstrap") { FULL_STEPS * 97 / 100 } else { FULL_STEPS };
+/// \[steps\] The most of them. A half bridge with a bootstrap needs 3 % of each period to charge it, 1.5 µs,
+/// its output low. In locked antiphase one of a motor's two half bridges is low for half of what the motor's
+/// volts leave of a period.
+pub(crate) const MOST_STEPS: u32 = match AMPLIFIER {
+    _ if !cfg!(feature = "bootstrap") => FULL_STEPS,
+    Amplifier::LockedAntiphase => FULL_STEPS * 94 / 100,
+    Amplifier::SignMagnitude => FULL_STEPS * 97 / 100,
+};
 
 /// \[counts\] Zero volts.
 const NO_VOLTS: u16 = match AMPLIFIER {

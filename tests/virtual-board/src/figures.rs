@@ -109,23 +109,22 @@ impl Figures {
     /// Says which is not.
     pub fn within_budget(&self) -> Result<(), String> {
         let (papers, rigs) = (&self.papers, &self.rigs);
-        // The instructions are what the tick takes, so that it does not grow unseen; wanted are 786, 1,500,
-        // 1,160 and 1,850, within 5 % of the tick before link version 3, the trial and the governor.
+        // The paper's median tick: 5 % above the 749 before link version 3, the trial and the governor.
         let budget = [
             ("loadable_bytes", self.loadable_bytes, 192 << 10),
             ("static_ram_bytes", self.static_ram_bytes, 16 << 10),
-            ("tick_instructions_median", papers.tick_median, 1_100),
-            ("tick_instructions_max", papers.tick_max, 1_700),
-            ("rig_tick_instructions_median", rigs.tick_median, 1_700),
-            ("rig_tick_instructions_max", rigs.tick_max, 2_400),
+            ("tick_instructions_median", papers.tick_median, 786),
+            ("tick_instructions_max", papers.tick_max, 1_850),
+            ("rig_tick_instructions_median", rigs.tick_median, 1_500),
+            ("rig_tick_instructions_max", rigs.tick_max, 2_300),
             ("stack_bytes_used", papers.stack_bytes_used.max(rigs.stack_bytes_used), rigs.stack_bytes / 2),
         ];
         if let Some((name, value, most)) = budget.into_iter().find(|(_, value, most)| value > most) {
             return Err(format!("{name} is {value}, allowed are {most}; {self}"));
         }
         let idle = papers.idle_percent.min(rigs.idle_percent);
-        if idle < 95.0 {
-            Err(format!("the core idles {idle:.1} % of its time, at least 95 are wanted"))
+        if idle < 97.0 {
+            Err(format!("the core idles {idle:.1} % of its time, at least 97 are wanted"))
         } else {
             Ok(())
         }

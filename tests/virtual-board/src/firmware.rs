@@ -88,6 +88,16 @@ impl Firmware {
         Self::read(&built("sign-magnitude/"))
     }
 
+    /// The released image with the feature `bootstrap`: where
+    /// `cargo fw --features bootstrap --target-dir target/bootstrap` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn bootstrap() -> Result<Self, Error> {
+        Self::read(&built("bootstrap/"))
+    }
+
     /// The released image with the feature `debug`: where
     /// `cargo fw --features debug --target-dir target/debug-build` puts it.
     ///
@@ -215,6 +225,30 @@ impl Firmware {
             }
         }
         instructions
+    }
+
+    /// Where what `from` reaches by direct calls and branches goes on to a panic, `from` itself included.
+    pub fn panics(&self, from: &str) -> Vec<u64> {
+        let mut places = Vec::new();
+        let mut seen = BTreeSet::new();
+        let mut waiting: Vec<u64> = self.address(from).into_iter().collect();
+        while let Some(start) = waiting.pop() {
+            if !seen.insert(start) {
+                continue;
+            }
+            for (at, flow) in self.instructions(start) {
+                if let Flow::Jump(target) | Flow::Call(target) = flow
+                    && let Some((callee, name, _)) = self.function_at(target)
+                {
+                    if name.contains("panic") {
+                        places.push(at);
+                    } else {
+                        waiting.push(callee);
+                    }
+                }
+            }
+        }
+        places
     }
 
     /// The instructions of the function that begins at `start`, and what each does to the flow of control.

@@ -47,7 +47,8 @@ fn a_board_with_good_parameters_is_ready_once_zeroed() {
 }
 
 /// What the first-power check says of a rig after `spoil` broke it.
-fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
+#[track_caller]
+pub(super) fn check(spoil: fn(&mut Helicopter)) -> (Verdict, Station) {
     let rig = presets::AERO;
     let mut unchecked = paper_parameters(&rig);
     unchecked.checked = false;

@@ -14,7 +14,7 @@ use super::{board_with, both, flying, flying_with, make_ready, paper_parameters}
 
 /// The tick in which the fault came, and its cause.
 #[track_caller]
-fn fault(station: &Station) -> (u32, Condition) {
+pub(super) fn fault(station: &Station) -> (u32, Condition) {
     let found = station.heard.frames.iter().find_map(|frame| match frame.state {
         ArmState::Fault(cause) => Some((frame.tick, cause)),
         _ => None,
@@ -23,7 +23,7 @@ fn fault(station: &Station) -> (u32, Condition) {
 }
 
 /// Ticks from that of the fault until the motors are off for good: no volts on them, the amplifiers disabled.
-fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
+pub(super) fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
     let (trace, ticks) = station.machine.trace();
     let last_alive = trace.iter().rfind(|outputs| outputs.enabled || outputs.live());
     let last_alive = last_alive.expect("it was armed").at;
@@ -95,17 +95,28 @@ fn a_supply_that_is_read_too_low_or_too_high_at_once() {
 
 #[test]
 fn a_supply_that_sinks_or_rises_out_of_its_range() {
-    for (factor, last) in [(0.95, 15.0), (1.05, 30.0)] {
-        let mut station = flying();
-        let mut supply = f64::from(station.heard.frames.last().expect("frames").supply);
-        while (supply < last) == (factor > 1.0) {
-            supply *= factor;
-            with_rig(&mut station, move |heli| heli.set_supply(supply));
-            station.run(4);
-        }
-        station.run(50);
-        assert_eq!(fault(&station).1, Condition::SupplyRange);
+    for (factor, last) in SLOW_CHANGES {
+        change_supply(&mut flying(), factor, last);
     }
+}
+
+/// Of the supply: the factor of each step, and where it ends \[V\].
+pub(super) const SLOW_CHANGES: [(f64, f64); 2] = [(0.95, 15.0), (1.05, 30.0)];
+
+/// No step of it is a jump; the end is out of range.
+#[track_caller]
+pub(super) fn change_supply(station: &mut Station, factor: f64, last: f64) {
+    let mut supply = f64::from(station.heard.frames.last().expect("frames").supply);
+    while (supply < last) == (factor > 1.0) {
+        supply *= factor;
+        with_rig(station, move |heli| heli.set_supply(supply));
+        station.run(4);
+    }
+    station.run(50);
+    let (tick, cause) = fault(station);
+    assert_eq!(cause, Condition::SupplyRange);
+    let late = ticks_to_off(station, tick);
+    assert!(late <= 2, "{late} ticks from detection to motors off");
 }
 
 #[test]

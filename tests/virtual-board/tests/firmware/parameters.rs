@@ -85,6 +85,25 @@ fn parameters_are_not_written_while_the_motors_turn() {
     assert_eq!(station.machine.with(|board| board.board().chip().flash().log.len()), written);
 }
 
+/// The core stands still while a sector is erased, and the tasks' clock loses that time: nothing that is told
+/// or shown waits for it.
+#[test]
+fn health_and_led_go_on_after_a_sector_was_erased() {
+    // As many records as fill the first page: the next one needs another.
+    let full: Vec<Parameters> = (0..16).map(variant).collect();
+    let mut station = start(Setup::new(firmware()).with_image(ADDRESS, image(&full)), &presets::PAPER);
+    station.run(1_000);
+    save(&mut station, &variant(99));
+    let log = station.machine.with(|board| board.board().chip().flash().log.clone());
+    assert!(log.iter().any(|(_, operation)| matches!(operation, Operation::Erase { .. })));
+    let (told, shown) = (station.heard.health.len(), station.machine.trace().0.len());
+    station.run(5_000);
+    assert!((4..=6).contains(&(station.heard.health.len() - told)), "once a second");
+    let (trace, _) = station.machine.trace();
+    let changes = trace[shown..].windows(2).filter(|pair| pair[0].lit != pair[1].lit).count();
+    assert!((9..=11).contains(&changes), "one slow blink a second, {changes} changes in five");
+}
+
 #[test]
 fn a_thousand_saves_hold_wear_every_page_alike_and_program_no_word_twice() {
     let mut station = board_with(&presets::PAPER, &variant(0));

@@ -116,3 +116,49 @@ fn a_stack_that_overflows_faults_and_is_reported() {
     assert!(trace.iter().all(|outputs| !outputs.enabled));
     assert_reported(&mut station, Condition::ResetByStackOverflow);
 }
+
+/// Where the registers of a floating-point unit are put late, at the first instruction that needs them
+/// (ARMv7-M reference manual, B1.5.7, B3.2.23).
+const FPCAR: u32 = 0xE000_EF38;
+/// No memory and no register lies there.
+const NOTHING: u32 = 0x9000_0000;
+
+/// A handler that sends the registers to `address`: MOVW and MOVT of r0 and r1, STR r1, [r0], VMOV s0, s0,
+/// B . (A7.7.76, A7.7.79, A7.7.161, A7.7.240, A7.7.12).
+fn saves_registers_at(address: u32) -> Vec<u8> {
+    let half = |register: u32, value: u32, opcode: u32| {
+        let (i, imm4, imm3, imm8) = (value >> 11 & 1, value >> 12, value >> 8 & 7, value & 0xFF);
+        [opcode | i << 10 | imm4, imm3 << 12 | register << 8 | imm8]
+    };
+    let word = |register, value: u32| {
+        [half(register, value & 0xFFFF, 0xF240), half(register, value >> 16, 0xF2C0)].concat()
+    };
+    let code = [word(0, FPCAR), word(1, address), vec![0x6001, 0xEEB0, 0x0A40, 0xE7FE]].concat();
+    code.iter().flat_map(|&half| u16::try_from(half).expect("16 bits").to_le_bytes()).collect()
+}
+
+/// The floating-point registers of an interrupt are stacked late, and may meet the guard or no memory then:
+/// that is the stack's overflow too, and no fault of the instruction's. Of the emergency stop's interrupt,
+/// whose code another takes the place of.
+#[test]
+fn registers_that_cannot_be_stacked_late_are_an_overflow() {
+    let rig = presets::PAPER;
+    let guard = firmware().address("_stack_end").expect("a stack");
+    for place in [u32::try_from(guard).expect("32 bits"), NOTHING] {
+        let setup = Setup {
+            protects_memory: true,
+            refusals_allowed: true,
+            ..Setup::new(firmware()).with_image(ADDRESS, image(&[paper_parameters(&rig)]))
+        };
+        let mut station = start(setup, &rig);
+        station.run(100);
+        station.machine.with(move |board| {
+            board.replace_flash(board.symbol("EXTI15_10"), &saves_registers_at(place));
+        });
+        station.machine.rig(|heli: &mut Helicopter| heli.press(true, false));
+        station.run(5);
+        station.machine.rig(|heli: &mut Helicopter| heli.press(false, false));
+        station.run(300);
+        assert_reported(&mut station, Condition::ResetByStackOverflow);
+    }
+}

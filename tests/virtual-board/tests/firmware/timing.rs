@@ -3,7 +3,7 @@
 use virtual_board::figures::{Figures, InFlight};
 use virtual_board::in_c;
 use virtual_board::machine::{MILLISECOND, TICK};
-use virtual_board::profile::{self, Profile};
+use virtual_board::profile::{self, Profile, Source};
 
 use super::{both, firmware, flying, flying_with};
 
@@ -38,6 +38,20 @@ fn no_step_of_the_tick_has_grown() {
     profile::compare(firmware().compiler(), &steps).unwrap_or_else(|why| panic!("{why}"));
 }
 
+/// But for the remainder by a queue's length, which no queue has as zero.
+#[test]
+fn nothing_in_the_tick_can_panic() {
+    let firmware = firmware();
+    let source = Source::new(&firmware).unwrap_or_else(|why| panic!("{why}"));
+    for place in firmware.panics(TICK) {
+        let frames = source.frames(place);
+        let of_a_queue = frames.iter().any(|(function, _)| function == "QueueInner::increment");
+        assert!(of_a_queue, "{place:#x}: {frames:?}");
+    }
+    // The same search finds panics where there are some.
+    assert!(!firmware.panics("main").is_empty());
+}
+
 /// \[instructions\] What the compiler may count to a neighbouring step: it mixes the instructions of steps,
 /// and moved two to the law when the command filter grew, which the paper's law flies without; the whole tick
 /// took one less.
@@ -52,13 +66,11 @@ fn the_papers_law_takes_hardly_more_instructions_than_in_c() {
     let counted = InFlight::measure(&mut flying()).tick_median;
     assert!(whole.abs_diff(counted) <= 5, "followed, a tick takes {whole}, counted {counted}");
     let ours = profile.from_reference_to_volts() - MIXED;
-    // A tenth: whether a governor goes before the law is asked in every tick.
-    let hardly_more = |c: u64| ours * 10 <= c * 11;
-    assert!(hardly_more(in_c::KEPT), "{ours} instructions, in C {}", in_c::KEPT);
+    assert!(ours <= in_c::KEPT, "{ours} instructions, in C {}", in_c::KEPT);
     if in_c::compiler().is_some() {
         for options in in_c::SAME_BITS {
             let c = in_c::measure(options).unwrap_or_else(|why| panic!("{why}")).instructions;
-            assert!(hardly_more(c), "{ours} instructions, in C with {options} {c}");
+            assert!(ours <= c, "{ours} instructions, in C with {options} {c}");
         }
     }
 }

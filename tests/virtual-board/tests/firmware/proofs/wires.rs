@@ -1,10 +1,15 @@
 //! Wires that are cut, and what else a board cannot see without help.
 
-use twinrotor::supervisor::{ArmState, Condition};
-use virtual_board::machine::Live;
+use twinrotor::axes::PerAxis;
+use twinrotor::plant::presets;
+use twinrotor::supervisor::{ArmState, Condition, Request};
+use virtual_board::chip::timer::Drive;
+use virtual_board::firmware::Firmware;
+use virtual_board::machine::{Live, Setup};
+use virtual_board::record::{ADDRESS, image, paper_parameters};
 use virtual_board::station::Station;
 
-use super::super::{board_with, flying, make_ready};
+use super::super::{board_with, firmware, flying, make_ready, start};
 use super::built_in;
 
 /// `PUPDR` of port A: two bits a pin, 1 is up.
@@ -62,4 +67,32 @@ fn a_board_counts_its_ticks_time_without_the_cores_counter() {
     let cycles = station.heard.health.last().expect("a report a second").tick_cycles_max;
     // The instructions of a tick and the bus: never none, and far below a millisecond.
     assert!((300..20_000).contains(&cycles), "{cycles} cycles");
+}
+
+/// The largest share of a period for which any half bridge was high, in a step that asks for all the volts.
+fn highest(firmware: Firmware) -> f64 {
+    let rig = presets::PAPER;
+    let setup = Setup::new(firmware).with_image(ADDRESS, image(&[paper_parameters(&rig)]));
+    let mut station = start(setup, &rig);
+    make_ready(&mut station);
+    station.aim(PerAxis::new(0.1, 0.2));
+    station.request(Request::Arm);
+    station.run(1_500);
+    assert_eq!(station.heard.state(), Some(ArmState::Armed));
+    for goal in [PerAxis::new(0.5, 1.5), PerAxis::new(-0.4, -1.0)] {
+        station.aim(goal);
+        station.run(1_500);
+    }
+    let (trace, _) = station.machine.trace();
+    let shares = trace.iter().flat_map(|outputs| outputs.legs.as_flattened().to_vec());
+    shares.filter_map(Drive::share_high).fold(0.0, f64::max)
+}
+
+/// A bootstrap's 3 % of each period, 1.5 us: the released firmware takes the whole supply where it is asked
+/// for.
+#[test]
+fn a_build_for_bootstrapped_bridges_leaves_each_time_to_charge() {
+    let limited = highest(Firmware::bootstrap().unwrap_or_else(|why| panic!("{why}")));
+    assert!((0.965..0.9701).contains(&limited), "{limited}");
+    assert!(highest(firmware()) > 0.99);
 }
