@@ -1,11 +1,12 @@
 //! `bench-tuners`: methods of search side by side on one problem.
 
-use super::common::{Common, bar, catch_interrupts, interrupted, no_effect, within};
+use super::common::{Common, bar, no_effect, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files::export::{self, Column, Table};
 use crate::files::figure;
+use crate::stop;
 use serde::Serialize;
 use std::path::PathBuf;
 use twinrotor::gains;
@@ -181,13 +182,13 @@ fn search(
     bounds: &Bounds,
     problem: &dyn Problem,
 ) -> Outcome<Vec<Peer>> {
-    catch_interrupts();
+    let _listening = stop::listen(stop::Second::Ends);
     let total: usize = setups.iter().map(|(_, s)| s.evaluations * args.seeds).sum();
     let bar = bar(total, "{prefix:12} {bar:32} {pos}/{len} evaluations, {eta} left");
     let seeds = || args.common.seed..args.common.seed.saturating_add(args.seeds as u64);
     let seen = |evaluations: usize| {
         bar.inc(evaluations as u64);
-        !interrupted()
+        !stop::requested()
     };
     let one = |(name, setup): &(String, Setup)| {
         bar.set_prefix(name.clone());

@@ -6,7 +6,6 @@ use crate::files::checkpoint;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use twinrotor::axes::PerMotor;
 use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
@@ -122,17 +121,4 @@ pub(super) fn pair(flag: &str, text: &str) -> Outcome<[f64; 2]> {
             "{flag} is '{text}'; allowed: two finite numbers such as 1,25, each at most {LARGEST:e} in size"
         ))),
     }
-}
-
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// From now on Ctrl-C asks to stop, and [`interrupted`] tells.
-pub(super) fn catch_interrupts() {
-    // Fails only if a handler was set before, which one command does not do.
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
-}
-
-/// Was Ctrl-C pressed?
-pub(super) fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
 }

@@ -1,6 +1,6 @@
 //! `flash`: gains onto a board.
 
-use super::{print, print_json};
+use super::{print, print_json, tell};
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::output;
@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let image = image::image(&parameters)?;
     let warning = not_a_rig(&named.name, &gains);
     if let Some(warning) = &warning {
-        eprintln!("warning: {warning}");
+        tell(&format!("warning: {warning}"));
     }
     let done = match (&args.image, &args.port) {
         (Some(path), _) => write_image(path, &image)?,

@@ -1,6 +1,6 @@
 //! `identify`: a rig's constants from its logs.
 
-use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted, within};
+use super::common::{Checkpoint, Common, End, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures::residuals::residuals;
@@ -8,6 +8,7 @@ use crate::files;
 use crate::files::checkpoint::Keeper;
 use crate::files::figure;
 use crate::files::output;
+use crate::stop;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
@@ -125,7 +126,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let windows = training_windows(&runs, window).map_err(Failure::of_flag)?;
     let count = windows.len();
     let problem = Problem::new(&runs, windows, &named.rig.plant, &free, THRESHOLD);
-    catch_interrupts();
+    let _listening = stop::listen(stop::Second::Ends);
     let mut search = begin(args, &named, &problem, &runs)?;
     let end = drive(args, &problem, &mut search)?;
     let Some((found, cost)) = search.best().cloned() else {
@@ -244,7 +245,7 @@ fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End
         progress(what, cost);
         match keeper.keep_now(|| search.checkpoint()) {
             Err(failure) => ControlFlow::Break(Err(failure)),
-            Ok(()) if interrupted() => ControlFlow::Break(Ok(End::Interrupted)),
+            Ok(()) if stop::requested() => ControlFlow::Break(Ok(End::Interrupted)),
             Ok(()) => ControlFlow::Continue(()),
         }
     });

@@ -1,6 +1,6 @@
 //! `pareto`: no single best, but the choice there is.
 
-use super::common::{Common, bar, catch_interrupts, interrupted, within};
+use super::common::{Common, bar, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
@@ -9,6 +9,7 @@ use crate::files::export::{Column, Table};
 use crate::files::figure;
 use crate::files::output;
 use crate::report;
+use crate::stop;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -86,7 +87,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     report::prepare(&args.out)?;
 
-    catch_interrupts();
+    let _listening = stop::listen(stop::Second::Ends);
     let bar = bar(args.population * (args.iterations + 1), "{bar:32} {pos}/{len} evaluations, {eta} left");
     let front = pareto_front(
         &bounds,
@@ -95,7 +96,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         |all| all.par_iter().map(|position| costs(&trial, &tunable, position)).collect(),
         |evaluations| {
             bar.set_position(evaluations as u64);
-            !interrupted()
+            !stop::requested()
         },
     );
     bar.finish_and_clear();
@@ -114,7 +115,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     } else {
         print(&summary(args, &named, &front, chosen))?;
     }
-    if interrupted() { Err(Failure::Interrupted) } else { Ok(()) }
+    if stop::requested() { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 fn check(args: &Args) -> Outcome<()> {

@@ -1,10 +1,11 @@
 //! What is asked of `tune` whatever is minimised, resolved, and a search driven so.
 
 use super::Shared;
-use crate::cli::common::{End, bar, catch_interrupts, interrupted};
+use crate::cli::common::{End, bar};
 use crate::error::{Failure, Outcome};
 use crate::files::checkpoint::Keeper;
 use crate::files::output;
+use crate::stop;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -66,7 +67,7 @@ impl<'a> Request<'a> {
 
     /// Drives a search to its end, with a bar on a terminal.
     pub(super) fn drive(&self, problem: &dyn Problem, search: &mut Search) -> Outcome<End> {
-        catch_interrupts();
+        let _listening = stop::listen(stop::Second::Ends);
         let bar = bar(search.budget(), "{prefix} {bar:32} {pos}/{len} evaluations, best {msg}, {eta} left");
         bar.set_prefix(self.algorithm.to_owned());
         let (begun, keeper) = (Instant::now(), Keeper::new(self.shared.checkpoint.file.as_deref()));
@@ -76,7 +77,7 @@ impl<'a> Request<'a> {
             if let Err(failure) = keeper.keep(|| search.checkpoint()) {
                 return ControlFlow::Break(Err(failure));
             }
-            if interrupted() {
+            if stop::requested() {
                 return ControlFlow::Break(Ok(End::Interrupted));
             }
             if self.time_limit.is_some_and(|limit| begun.elapsed() >= limit) {
