@@ -19,3 +19,4 @@ pub mod files;
 pub mod report;
 pub mod serial;
 pub mod stop;
+pub mod threads;

@@ -16,6 +16,11 @@ use twinrotor_sim::rig::{self, NamedRig};
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_sim::{Error, Outcome as Text};
 
+/// What a file's name ends in, in small letters.
+pub fn ending(path: &Path) -> Option<String> {
+    path.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase)
+}
+
 /// What says that this program was built without the format of a file, and how to build it with.
 #[cfg(not(feature = "formats"))]
 fn not_built(flag: &str, path: &Path) -> Failure {

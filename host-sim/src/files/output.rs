@@ -49,6 +49,17 @@ impl Outputs {
     /// If it is one of these: which, in one line.
     pub fn writes(&mut self, flag: &str, path: &Path) -> Outcome<()> {
         check(flag, path)?;
+        self.spares(flag, path)?;
+        self.take(flag, path, false);
+        Ok(())
+    }
+
+    /// Refuses a path that is read, or that something else is written to.
+    ///
+    /// # Errors
+    ///
+    /// If it is one of these.
+    pub fn spares(&self, flag: &str, path: &Path) -> Outcome<()> {
         let place = Target::of(path).ok().and_then(|target| target.place());
         if let Some(other) = self.taken.iter().find(|taken| Some(&taken.place) == place.as_ref()) {
             let what = if other.read { "is read" } else { "is written" };
@@ -59,7 +70,6 @@ impl Outputs {
                 other.path.display()
             )));
         }
-        self.take(flag, path, false);
         Ok(())
     }
 
@@ -77,6 +87,11 @@ impl Outputs {
                 self.unwritten.push(format!("{}:\n{text}", path.display()));
             }
         }
+    }
+
+    /// Something else could not be kept; [`Outputs::done`] tells.
+    pub fn fail(&mut self, why: String) {
+        self.failures.push(why);
     }
 
     /// Texts that found no file, to be printed.

@@ -11,6 +11,7 @@ use twinrotor_sim::error::known_name;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::checkpoint::Identity;
 use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::optimise::{Algorithm, Setup, Variant};
 use twinrotor_tune::robust::{self, Plan, Robust, Row, Score, Trial};
@@ -125,7 +126,7 @@ fn tuned(design: &str, size: Size, trial: &Trial, seed: u64) -> Outcome<Controll
         evaluations: size.tuning,
     };
     let plan = Plan { setup, rounds: 1, range: 4.0, seed };
-    let mut search = Search::new(String::new(), plan.start(tunable.names().len()));
+    let mut search = Search::new(Identity::new(), plan.start(tunable.names().len()));
     search.to_the_end(&Robust::new(trial, &tunable));
     let best = search.best().expect("the start is evaluated first");
     Ok(tunable.controller(&best.position))
@@ -136,7 +137,7 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
     let named = NamedRig { name: "paper".to_owned(), rig: PAPER };
     let allowance = robust::allowance(&named.name, &named.rig);
     let training = Trial::new(&PAPER, 16, seed, allowance);
-    let unseen = Trial::new(&PAPER, size.plants, 1_000_000 + seed, allowance);
+    let unseen = Trial::new(&PAPER, size.plants, seed.wrapping_add(robust::UNSEEN), allowance);
     let rival = |name, words, design| {
         Outcome::Ok(Rival { name, words, controller: tuned(design, size, &training, seed)? })
     };
