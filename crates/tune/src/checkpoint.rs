@@ -79,11 +79,27 @@ pub fn damaged() -> Error {
 ///
 /// If the state is not plain data.
 pub fn encode(identity: &Identity, state: &impl Serialize) -> Vec<u8> {
-    let payload = postcard::to_allocvec(&(identity, state)).expect("a search can be written down");
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend(crc32fast::hash(&payload).to_le_bytes());
-    bytes.extend(payload);
-    bytes
+    with_payload(&postcard::to_allocvec(&(identity, state)).expect("a search can be written down"))
+}
+
+/// A checkpoint around what it holds.
+pub fn with_payload(payload: &[u8]) -> Vec<u8> {
+    [MAGIC, &crc32fast::hash(payload).to_le_bytes(), payload].concat()
+}
+
+/// What a checkpoint holds.
+///
+/// # Errors
+///
+/// If the bytes are no checkpoint of this version or are damaged.
+pub fn payload(bytes: &[u8]) -> Outcome<&[u8]> {
+    let refuse = |why: &str| Error::Unusable(why.to_owned());
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| refuse("is no checkpoint of this version"))?;
+    let (sum, payload) = rest.split_first_chunk::<4>().ok_or_else(|| refuse("is cut short"))?;
+    if crc32fast::hash(payload) != u32::from_le_bytes(*sum) {
+        return Err(refuse("is damaged (its checksum does not match)"));
+    }
+    Ok(payload)
 }
 
 /// The state of a run. That it is one which a search can go on from is for the search to say.
@@ -92,15 +108,10 @@ pub fn encode(identity: &Identity, state: &impl Serialize) -> Vec<u8> {
 ///
 /// If the bytes are no checkpoint of this version, are damaged, or belong to another run.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8], identity: &Identity) -> Outcome<T> {
-    let refuse = |why: &str| Error::Unusable(why.to_owned());
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| refuse("is no checkpoint of this version"))?;
-    let (sum, payload) = rest.split_first_chunk::<4>().ok_or_else(|| refuse("is cut short"))?;
-    if crc32fast::hash(payload) != u32::from_le_bytes(*sum) {
-        return Err(refuse("is damaged (its checksum does not match)"));
-    }
-    let (its, state): (Identity, &[u8]) = postcard::take_from_bytes(payload).map_err(|_| damaged())?;
+    let (its, state): (Identity, &[u8]) =
+        postcard::take_from_bytes(payload(bytes)?).map_err(|_| damaged())?;
     if let Some(difference) = identity.difference(&its) {
-        return Err(refuse(&format!("belongs to another run: {difference}")));
+        return Err(Error::Unusable(format!("belongs to another run: {difference}")));
     }
     postcard::from_bytes(state).map_err(|_| damaged())
 }

@@ -14,6 +14,7 @@ use twinrotor::plant::PlantParameters;
 use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_tune::design::{self, CATALOGUE, Design};
 use twinrotor_tune::robust::{self, Row, Score, Trial, Tuning};
@@ -110,7 +111,7 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
     let mut outputs = args.common.outputs();
     outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
     outputs.reads("--gains", ours_path(args, named));
-    for name in args.controllers.iter().filter(|name| is_file(name)) {
+    for name in args.controllers.iter().filter(|name| is_text(name)) {
         outputs.reads("--controllers", name);
     }
     if let Some(rounds) = args.tune {
@@ -126,11 +127,6 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
         outputs.writes("--export", path)?;
     }
     Ok(outputs)
-}
-
-/// The name of a gains file, and not of a controller?
-fn is_file(name: &str) -> bool {
-    files::ending(Path::new(name)).as_deref() == Some("toml")
 }
 
 /// The plants to fly, and how.
@@ -232,7 +228,7 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
     for name in asked {
         list.push(if name == "paper" {
             (name, GainsFile::paper().controller)
-        } else if is_file(&name) {
+        } else if is_text(&name) {
             let controller = load(Path::new(&name))?;
             (name, controller)
         } else {

@@ -3,7 +3,7 @@
 use super::output::{self, Outputs};
 use crate::error::{Failure, Outcome};
 use std::cell::{Cell, RefCell};
-use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -58,7 +58,10 @@ impl Keeper {
 ///
 /// If it cannot be read.
 pub fn read(path: &Path) -> Outcome<Vec<u8>> {
-    fs::read(path).map_err(|e| Failure::reading(path, &e))
+    let mut bytes = Vec::new();
+    let read = super::open(path).and_then(|mut file| file.read_to_end(&mut bytes));
+    read.map_err(|e| Failure::reading(path, &e))?;
+    Ok(bytes)
 }
 
 /// Refuses to write over a checkpoint that nobody asked to resume.
