@@ -213,9 +213,10 @@ fn parsers_of_words() {
         Limit::parse(&String::from_utf8_lossy(&bytes)).is_ok()
     });
     assert!(found > 0, "some changes do no harm");
-    let step = Scenario { duration: 0.05, ..Scenario::named("step").unwrap() };
+    let mut step = Scenario::named("step").unwrap();
+    step.duration = 0.05;
     let objective = Objective::new(Criterion::Ise, &PAPER, &step, Fidelity::Ideal, 1);
-    usable(|mut rng| {
+    usable(|rng| {
         let number =
             |rng: &mut dyn Rng| one_of(&mut { rng }, &NASTY).parse::<f64>().unwrap_or(4.0).abs().min(1e9);
         let position = [0; 4].map(|_| number(rng)).to_vec();
