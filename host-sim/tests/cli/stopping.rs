@@ -64,7 +64,9 @@ fn every_long_command_ends_soon_and_claims_nothing() {
     for (args, signal, expected) in cases {
         let (status, told) = stopped(start(folder.path(), &program(args)), A_WHILE / 2, signal);
         assert_eq!(status, Some(130), "{args:?}: {told}");
-        assert!(told.contains(expected) && !told.contains(" is in ") && told.lines().count() == 1, "{told}");
+        // One that had not begun to listen yet says the less.
+        let right = told.contains(expected) || told == "error: interrupted\n";
+        assert!(right && !told.contains(" is in ") && told.lines().count() == 1, "{args:?}: {told}");
     }
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert!(

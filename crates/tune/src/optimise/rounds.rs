@@ -45,8 +45,15 @@ impl Rounds {
             && self.round <= self.rounds
             && self.reach > 0.0
             && self.reach <= begun.reach
-            && self.before <= self.budget()
+            && self.before <= self.most_before()
             && self.search.as_ref().is_none_or(|search| self.has_begun(search))
+    }
+
+    /// What the rounds that have come to an end may have used, and the start.
+    fn most_before(&self) -> usize {
+        let ended = self.round.saturating_sub(u64::from(self.search.is_some()));
+        let ended = usize::try_from(ended).unwrap_or(usize::MAX);
+        ended.saturating_mul(self.setup.evaluations).saturating_add(1)
     }
 
     /// Is this a search of the round that has been begun last?

@@ -53,6 +53,11 @@ pub(super) struct Task<'a> {
 }
 
 impl Args {
+    /// The files that are read, by flag.
+    pub(super) fn inputs(&self) -> [(&str, &str); 1] {
+        [("--scenario", self.scenario.as_deref().unwrap_or_default())]
+    }
+
     /// Refuses what the robust objective would not heed.
     pub(super) fn refuse_for_robust(&self) -> Outcome<()> {
         let robust = "with --objective robust";
@@ -83,9 +88,6 @@ impl Args {
         let bounds = self.bounds.as_deref().map_or(Ok([1.0, 25.0]), |text| pair("--bounds", text))?;
         at_least("--bounds: the lower one", bounds[0], 0.0, true)?;
         at_least("--bounds: the upper one", bounds[1], bounds[0], true)?;
-        if let Some(name) = &self.scenario {
-            request.outputs.borrow_mut().reads("--scenario", name);
-        }
         let plot = beside(self.plot.as_deref(), request.out, &mut request.outputs.borrow_mut())?;
         let fidelity = self.fidelity.map_or(Fidelity::Ideal, Into::into);
         Ok(Task { request, criterion, scenario, fidelity, bounds, plot })

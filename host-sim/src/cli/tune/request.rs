@@ -35,8 +35,9 @@ pub(super) struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// Refuses, before any work is done, what could not be searched or written.
-    pub(super) fn new(shared: &'a Shared) -> Outcome<Self> {
+    /// Refuses, before any work is done, what could not be searched or written; `inputs` are the files that
+    /// other flags name.
+    pub(super) fn new(shared: &'a Shared, inputs: &[(&str, &str)]) -> Outcome<Self> {
         let begun = Instant::now();
         let named = shared.common.resolve()?;
         let each = shared.population.unwrap_or(50);
@@ -48,6 +49,7 @@ impl<'a> Request<'a> {
         Setup { evaluations: 1, ..setup }.validate().map_err(Failure::of_flag)?;
         within("--iterations", shared.iterations, 0, MOST_EVALUATIONS / each - 1)?;
         let mut outputs = shared.common.outputs();
+        inputs.iter().for_each(|(flag, path)| outputs.reads(flag, path));
         outputs.writes("--out", &shared.out)?;
         shared.checkpoint.check(&mut outputs)?;
         let time_limit = match shared.time_limit {

@@ -46,6 +46,11 @@ pub(super) struct Args {
 }
 
 impl Args {
+    /// The files that are read, by flag.
+    pub(super) fn inputs(&self) -> [(&str, &str); 1] {
+        [("--start", self.start.as_deref().unwrap_or_default())]
+    }
+
     /// Refuses what an integral of the error would not heed.
     pub(super) fn refuse_for_integral(&self) -> Outcome<()> {
         let law = "an integral of the error is of the paper's law, its four gains and one plant";
@@ -67,7 +72,6 @@ impl Args {
     /// The controller that the search starts from: a gains file's, or a design of the catalogue.
     fn start(&self, request: &Request<'_>) -> Outcome<ControllerSettings<f64>> {
         if let Some(path) = &self.start {
-            request.outputs.borrow_mut().reads("--start", path);
             return Ok(files::gains("--start", path)?.controller);
         }
         let name = self.controller.as_deref().unwrap_or("integral");
