@@ -41,9 +41,7 @@ impl Common {
             named.rig.plant.rotor_time_constant = PerMotor::both(at_least("--rotor-lag", lag, 0.0, false)?);
         }
         if let Some(threads) = self.threads {
-            if threads == 0 || threads > 1024 {
-                return Err(Failure::Input(format!("--threads is {threads}; allowed: 1 to 1024")));
-            }
+            within("--threads", threads, 1, 1024)?;
         }
         threads::begin(self.threads);
         Ok(named)

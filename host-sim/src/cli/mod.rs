@@ -2,7 +2,7 @@
 //! nowhere else.
 //!
 //! 0 done; 1 the run failed; 2 bad input, told in one line; 3 the flight left the
-//! envelope or a fault stopped it; 130 after Ctrl-C, with the best so far written.
+//! envelope or a fault stopped it; 130 after Ctrl-C, SIGTERM or SIGHUP, with what it says is kept.
 
 mod bench;
 mod bench_tuners;

@@ -99,7 +99,6 @@ impl Table {
     /// # Errors
     ///
     /// If the format has no place for it.
-    #[cfg_attr(not(feature = "formats"), expect(clippy::unnecessary_wraps, reason = "CSV takes everything"))]
     pub fn bytes(&self, path: &Path) -> Outcome<Vec<u8>> {
         Ok(match extension(path) {
             #[cfg(feature = "formats")]
