@@ -3,9 +3,8 @@
 use crate::clock::{self, Clock};
 use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
-use crate::shared::Change;
 use crate::shared::{
-    CHANGES, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, Flag, Flags, LED_PATTERN, Reports,
+    CHANGES, Change, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, Flag, Flags, LED_PATTERN, Reports,
     TICK_COUNTS_MAX, TICKS, VERDICTS,
 };
 use crate::{led, wake, watchdog};

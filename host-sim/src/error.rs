@@ -15,8 +15,8 @@ pub enum Failure {
     Run(String),
     /// The flight left the envelope or a fault stopped it; what was flown is reported. Exit status 3.
     Flight(String),
-    /// Ctrl-C; the best so far is written. Exit status 130.
-    Interrupted,
+    /// A signal asked to stop: what is kept. Exit status 130.
+    Interrupted(String),
 }
 
 impl Failure {
@@ -53,7 +53,7 @@ impl Failure {
             Self::Run(_) => 1,
             Self::Input(_) => 2,
             Self::Flight(_) => 3,
-            Self::Interrupted => 130,
+            Self::Interrupted(_) => crate::stop::STATUS,
         }
     }
 }
@@ -77,7 +77,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Input(message) | Self::Run(message) | Self::Flight(message) => f.write_str(message),
-            Self::Interrupted => f.write_str("interrupted; the best so far is kept"),
+            Self::Interrupted(kept) => write!(f, "interrupted; {kept}"),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Twinrotor on a PC: the command line, the files, figures and reports around the crates that compute.
 
+// They panic where nobody listens; `cli` has what does not.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 #![cfg_attr(
     test,
     allow(
@@ -16,3 +18,5 @@ pub mod figures;
 pub mod files;
 pub mod report;
 pub mod serial;
+pub mod stop;
+pub mod threads;

@@ -4,10 +4,11 @@ use super::problem::{Block, Guess, Problem};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
+use twinrotor_tune::parallel::Stop;
 
 /// Descends from a guess to the nearest minimum. Constants stay within their bounds by p = least + (most -
-/// least)(1 + sin x)/2, as MINUIT does it (F. James, CERN D506).
-pub fn descend(problem: &Problem<'_>, from: &Guess) -> (Guess, f64) {
+/// least)(1 + sin x)/2, as MINUIT does it (F. James, CERN D506). Nothing comes of it if `stop` says so first.
+pub fn descend(problem: &Problem<'_>, from: &Guess, stop: Stop<'_>) -> Option<(Guess, f64)> {
     let mut start = from.clone();
     for (value, [least, most]) in start.values.iter_mut().zip(problem.bounds()) {
         // At a bound the sine is flat and the descent would not move.
@@ -15,12 +16,13 @@ pub fn descend(problem: &Problem<'_>, from: &Guess) -> (Guess, f64) {
         *value = value.clamp(least + margin, most - margin);
     }
     let at = position(problem, &start);
-    let blocks = problem.blocks(&start, false);
-    let target = Descent { problem, at, blocks };
+    let blocks = problem.blocks_until(&start, false, stop)?;
+    let target = Descent { problem, at, blocks: Some(blocks), stop };
     let method =
         LevenbergMarquardt::new().with_ftol(1e-6).with_xtol(1e-6).with_gtol(1e-9).with_patience(PATIENCE);
     let (ended, report) = method.minimize(target);
-    (guess(problem, &ended.at), report.objective_function)
+    let whole = ended.blocks.is_some() && !stop();
+    whole.then(|| (guess(problem, &ended.at), report.objective_function))
 }
 
 /// Costs that a descent may take, for each unknown.
@@ -33,7 +35,9 @@ const OFFSET_UNIT: f64 = 0.01;
 struct Descent<'a> {
     problem: &'a Problem<'a>,
     at: DVector<f64>,
-    blocks: Vec<Block>,
+    /// Nothing from when it was stopped on, which ends the descent.
+    blocks: Option<Vec<Block>>,
+    stop: Stop<'a>,
 }
 
 fn position(problem: &Problem<'_>, guess: &Guess) -> DVector<f64> {
@@ -60,7 +64,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Descent<'_> {
 
     fn set_params(&mut self, x: &DVector<f64>) {
         self.at.copy_from(x);
-        self.blocks = self.problem.blocks(&guess(self.problem, x), false);
+        self.blocks = self.problem.blocks_until(&guess(self.problem, x), false, self.stop);
     }
 
     fn params(&self) -> DVector<f64> {
@@ -68,12 +72,12 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Descent<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        let all: Vec<f64> = self.blocks.iter().flat_map(|b| b.residuals.iter().copied()).collect();
+        let all: Vec<f64> = self.blocks.as_ref()?.iter().flat_map(|b| b.residuals.iter().copied()).collect();
         all.iter().all(|r| r.is_finite()).then(|| DVector::from_vec(all))
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let blocks = self.problem.blocks(&guess(self.problem, &self.at), true);
+        let blocks = self.problem.blocks_until(&guess(self.problem, &self.at), true, self.stop)?;
         let rows = blocks.iter().map(|b| b.residuals.len()).sum();
         let mut all = DMatrix::zeros(rows, self.at.len());
         let mut row = 0;

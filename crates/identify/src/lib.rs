@@ -40,6 +40,7 @@ use serde::Serialize;
 use twinrotor::plant::PlantParameters;
 use twinrotor::plant::presets::Rig;
 use twinrotor_sim::{Error, Outcome};
+use twinrotor_tune::parallel::NEVER;
 use windows::{Run, Window};
 
 /// \[s\] Length of the windows that constants are fitted to, when nothing else is said: long enough to tell
@@ -185,7 +186,7 @@ pub fn offset_of(run: &Run, plant: &PlantParameters<f64>, window: f64) -> f64 {
     let runs = std::slice::from_ref(run);
     let problem = Problem::new(runs, run.calm_windows(0, window), plant, &[], THRESHOLD);
     let nothing = Guess { values: Vec::new(), offsets: vec![0.0] };
-    descent::descend(&problem, &nothing).0.offsets[0]
+    descent::descend(&problem, &nothing, NEVER).map_or(0.0, |(found, _)| found.offsets[0])
 }
 
 /// The fit of one log with every window length that it is long enough for.

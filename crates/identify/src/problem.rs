@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::{PlantParameters, State};
-use twinrotor_tune::parallel;
+use twinrotor_tune::parallel::{self, NEVER, Stop};
 
 /// What is fitted to what.
 #[derive(Debug, Clone)]
@@ -116,13 +116,19 @@ impl<'a> Problem<'a> {
         from_array(&all)
     }
 
-    /// Half the sum of squares.
-    pub fn cost(&self, guess: &Guess) -> f64 {
-        0.5 * self.blocks(guess, false).iter().map(|b| b.residuals.norm_squared()).sum::<f64>()
+    /// Half the sum of squares, or nothing if `stop` says so before it is known.
+    pub fn cost_until(&self, guess: &Guess, stop: Stop<'_>) -> Option<f64> {
+        let blocks = self.blocks_until(guess, false, stop)?;
+        Some(0.5 * blocks.iter().map(|b| b.residuals.norm_squared()).sum::<f64>())
     }
 
     /// Every window at its best initial state, with derivatives if they are wanted.
     pub fn blocks(&self, guess: &Guess, derivatives: bool) -> Vec<Block> {
+        self.blocks_until(guess, derivatives, NEVER).expect("nothing stops it")
+    }
+
+    /// The same, or nothing if `stop` says so before all are known.
+    pub fn blocks_until(&self, guess: &Guess, derivatives: bool, stop: Stop<'_>) -> Option<Vec<Block>> {
         let plant = self.plant(&guess.values);
         let rotors = self.rotor_volts(&plant);
         let moved: Vec<Moved> = if derivatives { self.moved(guess, &rotors) } else { Vec::new() };
@@ -137,7 +143,8 @@ impl<'a> Problem<'a> {
             };
             Block { window: *window, residuals, jacobian, start }
         };
-        parallel::by_index(self.windows.len(), block)
+        let places: Vec<usize> = (0..self.windows.len()).collect();
+        parallel::try_map(&places, |k| if stop() { None } else { Some(block(*k)) })
     }
 
     fn rotor_volts(&self, plant: &PlantParameters<f64>) -> Vec<PerMotor<f64>> {

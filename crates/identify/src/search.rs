@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use twinrotor::plant::PlantParameters;
 use twinrotor_sim::Outcome;
-use twinrotor_tune::checkpoint;
+use twinrotor_tune::checkpoint::{self, Identity};
 use twinrotor_tune::optimise::{Bounds, Draws, FlowerPollination, FpaSettings, Optimiser, Variant};
+use twinrotor_tune::parallel::Stop;
 
 /// How much is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +32,7 @@ pub struct Effort {
 /// Where a search stands; everything that a restart needs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Search {
-    identity: String,
+    identity: Identity,
     pollination: FlowerPollination,
     starts: Vec<Vec<f64>>,
     descents: Vec<(Guess, f64)>,
@@ -45,7 +46,7 @@ const MARGIN: f64 = 0.5;
 impl Search {
     /// At the beginning: around what regression and `preset` say.
     pub fn new(
-        identity: String,
+        identity: Identity,
         problem: &Problem<'_>,
         preset: &PlantParameters<f64>,
         effort: Effort,
@@ -72,13 +73,25 @@ impl Search {
         Self { identity, pollination, starts, descents: Vec::new() }
     }
 
-    /// As it stood when [`Search::checkpoint`] was asked, if that was of the run that `identity` describes.
+    /// This search of `problem`, which has only begun, as it stood when [`Search::checkpoint`] was asked.
     ///
     /// # Errors
     ///
     /// If the bytes are damaged, of another version or of another run.
-    pub fn resume(bytes: &[u8], identity: &str) -> Outcome<Self> {
-        checkpoint::decode(bytes, identity)
+    pub fn resume(self, bytes: &[u8], problem: &Problem<'_>) -> Outcome<Self> {
+        let then: Self = checkpoint::decode(bytes, &self.identity)?;
+        let finite = |numbers: &[f64], count| numbers.len() == count && numbers.iter().all(|x| x.is_finite());
+        let constants = problem.free().len();
+        let sound = then.identity == self.identity
+            && then.pollination.continues(&self.pollination)
+            && (2..=3).contains(&then.starts.len())
+            && then.starts.iter().all(|start| finite(start, constants))
+            && then.descents.len() <= then.starts.len()
+            && then
+                .descents
+                .iter()
+                .all(|(at, _)| finite(&at.values, constants) && finite(&at.offsets, problem.runs()));
+        if sound { Ok(then) } else { Err(checkpoint::damaged()) }
     }
 
     /// Where it stands, for [`Search::resume`].
@@ -88,7 +101,7 @@ impl Search {
 
     /// Searches to the end (a problem with windows of `window` \[s\]), or until `after` breaks it off, which
     /// is shown where it stands after every exchange, what was done and the best cost; then the best so far
-    /// is what has been found.
+    /// is what has been found. `stop` ends it in the middle of an exchange, which then has not been.
     ///
     /// # Errors
     ///
@@ -97,6 +110,7 @@ impl Search {
         &mut self,
         problem: &Problem<'_>,
         window: f64,
+        stop: Stop<'_>,
         mut after: impl FnMut(&Self, &str, f64) -> ControlFlow<B>,
     ) -> Outcome<ControlFlow<B>> {
         let offsets = vec![0.0; problem.runs()];
@@ -106,16 +120,21 @@ impl Search {
         let lengths = LENGTHS.iter().filter(|length| **length < window);
         let mut stages: Vec<Problem<'_>> = lengths.map(with_length).collect::<Outcome<_>>()?;
         stages.push(problem.clone());
+        let cost = |search: &Self| search.pollination.best().map_or(f64::INFINITY, |b| b.cost);
         loop {
+            let stood = self.pollination.clone();
             let asked = self.pollination.ask();
             if asked.is_empty() {
                 break;
             }
             let guess = |values: &[f64]| Guess { values: values.to_vec(), offsets: offsets.clone() };
-            let costs: Vec<f64> = asked.iter().map(|c| stages[0].cost(&guess(&c.position))).collect();
-            self.pollination.tell(&costs);
-            let best = self.pollination.best().map_or(f64::INFINITY, |b| b.cost);
-            if let ControlFlow::Break(why) = after(self, "search", best) {
+            let costs: Option<Vec<f64>> =
+                asked.iter().map(|c| stages[0].cost_until(&guess(&c.position), stop)).collect();
+            match costs {
+                Some(costs) => self.pollination.tell(&costs),
+                None => self.pollination = stood,
+            }
+            if let ControlFlow::Break(why) = after(self, "search", cost(self)) {
                 return Ok(ControlFlow::Break(why));
             }
         }
@@ -126,7 +145,8 @@ impl Search {
         }
         while let Some(start) = self.starts.get(self.descents.len()) {
             let from = (Guess { values: start.clone(), offsets: offsets.clone() }, f64::INFINITY);
-            self.descents.push(stages.iter().fold(from, |(at, _), stage| descend(stage, &at)));
+            let ended = stages.iter().try_fold(from, |(at, _), stage| descend(stage, &at, stop));
+            self.descents.extend(ended);
             let best = self.best().map_or(f64::INFINITY, |(_, cost)| *cost);
             if let ControlFlow::Break(why) = after(self, "descent", best) {
                 return Ok(ControlFlow::Break(why));

@@ -11,6 +11,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::encoder::angle_per_count;
 use twinrotor::plant::presets::AERO_LAB;
 use twinrotor::plant::{RealPlant, State};
+use twinrotor_tune::checkpoint::Identity;
 use twinrotor_tune::optimise::Draws;
 use twinrotor_tune::parallel;
 
@@ -69,7 +70,8 @@ fn free() -> Vec<usize> {
 }
 
 fn to_the_end(search: &mut Search, problem: &Problem<'_>, window: f64) {
-    let end: ControlFlow<()> = search.run(problem, window, |_, _, _| ControlFlow::Continue(())).unwrap();
+    let end: ControlFlow<()> =
+        search.run(problem, window, NEVER, |_, _, _| ControlFlow::Continue(())).unwrap();
     assert!(end.is_continue());
 }
 
@@ -82,7 +84,7 @@ fn recovered(seed: usize) -> Vec<(&'static str, bool)> {
     let windows = training_windows(&runs, WINDOW).unwrap();
     let problem = Problem::new(&runs, windows, &AERO_LAB.plant, &free, THRESHOLD);
     let effort = Effort { population: 2, iterations: 0, seed: 1 };
-    let mut search = Search::new(String::new(), &problem, &AERO_LAB.plant, effort);
+    let mut search = Search::new(Identity::new(), &problem, &AERO_LAB.plant, effort);
     to_the_end(&mut search, &problem, WINDOW);
     let (found, _) = search.best().unwrap().clone();
     let (parameters, _) = parameters(&problem, &found);
@@ -118,7 +120,7 @@ fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
     let windows = training_windows(&runs, 3.0).unwrap();
     let problem = Problem::new(&runs, windows, &AERO_LAB.plant, &free, THRESHOLD);
     let values = free.iter().map(|k| to_array(&AERO_LAB.plant)[*k]).collect();
-    let (found, _) = descent::descend(&problem, &Guess { values, offsets: vec![0.0] });
+    let (found, _) = descent::descend(&problem, &Guess { values, offsets: vec![0.0] }, NEVER).unwrap();
     let truth = to_array(&truth);
     let inside = |(k, p): (&usize, Parameter)| {
         p.ci95.filter(|_| p.identifiable).map(|[least, most]| (p.name, (least..=most).contains(&truth[*k])))
@@ -244,16 +246,19 @@ fn a_search_that_was_interrupted_ends_as_if_it_was_not() {
     let problem =
         Problem::new(&runs, training_windows(&runs, 3.0).unwrap(), &AERO_LAB.plant, &free, THRESHOLD);
     let effort = Effort { population: 4, iterations: 2, seed: 3 };
-    let new = || Search::new("this".to_owned(), &problem, &AERO_LAB.plant, effort);
+    let named =
+        |name: &str| Search::new(Identity::new().with("log", name), &problem, &AERO_LAB.plant, effort);
+    let new = || named("this");
     let mut whole = new();
     to_the_end(&mut whole, &problem, 2.0);
     let mut part = new();
     let mut ends = 0;
     while let ControlFlow::Break(bytes) =
-        part.run(&problem, 2.0, |search, _, _| ControlFlow::Break(search.checkpoint())).unwrap()
+        part.run(&problem, 2.0, NEVER, |search, _, _| ControlFlow::Break(search.checkpoint())).unwrap()
     {
-        assert!(Search::resume(&bytes, "that").unwrap_err().to_string().contains("belongs to another run"));
-        part = Search::resume(&bytes, "this").unwrap();
+        let told = named("that").resume(&bytes, &problem).unwrap_err().to_string();
+        assert_eq!(told, "belongs to another run: log is this there, that here");
+        part = new().resume(&bytes, &problem).unwrap();
         ends += 1;
         assert!(ends < 50);
     }

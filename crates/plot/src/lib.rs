@@ -118,6 +118,8 @@ impl Layout {
 }
 /// More points than this on a line cannot be seen.
 const MOST_POINTS: usize = 1_200;
+/// \[pixels\] A line longer than this is not drawn in dashes, each of which is an element of its own.
+const MOST_DASHED: f64 = 12_000.0;
 
 static FONT: Once = Once::new();
 /// DejaVu Sans, subset to Latin, Greek and a few signs.
@@ -138,7 +140,8 @@ impl Figure {
         let mut text = String::new();
         let area = SVGBackend::with_string(&mut text, self.size(layout)).into_drawing_area();
         self.draw(area, layout)?;
-        Ok(text)
+        // XML has no place for most control characters, not even an escaped one.
+        Ok(text.replace(is_no_xml, "\u{fffd}"))
     }
 
     /// What is drawn, as CSV: panel, line, horizontal, vertical.
@@ -162,11 +165,17 @@ impl Figure {
     /// If it cannot be drawn.
     #[cfg(feature = "png")]
     pub fn to_png(&self) -> Outcome<Vec<u8>> {
-        let failed = |e: std::io::Error| Error::Failed(format!("the figure cannot be drawn: {e}"));
-        let file = tempfile::Builder::new().suffix(".png").tempfile().map_err(failed)?;
-        let area = BitMapBackend::new(file.path(), self.size(Layout::Wide)).into_drawing_area();
+        let failed = |e: png::EncodingError| Error::Failed(format!("the figure cannot be drawn: {e}"));
+        let (width, height) = self.size(Layout::Wide);
+        let mut pixels = vec![0; 3 * width as usize * height as usize];
+        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
         self.draw(area, Layout::Wide)?;
-        std::fs::read(file.path()).map_err(failed)
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.write_header().and_then(|mut body| body.write_image_data(&pixels)).map_err(failed)?;
+        Ok(bytes)
     }
 
     fn draw<B: DrawingBackend>(
@@ -318,6 +327,11 @@ impl Panel {
     }
 }
 
+/// Is it a character that XML 1.0 does not allow (section 2.2)?
+fn is_no_xml(c: char) -> bool {
+    (c < ' ' && !matches!(c, '\t' | '\n' | '\r')) || matches!(c, '\u{fffe}' | '\u{ffff}')
+}
+
 type Axis = plotters::coord::types::RangedCoordf64;
 
 impl Line {
@@ -332,8 +346,19 @@ impl Line {
         drawn: impl Fn(f64) -> f64,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let points = self.thinned().into_iter().map(|(x, y)| (x, drawn(y))).filter(|p| p.1.is_finite());
+        let points: Vec<(f64, f64)> = points.collect();
+        let pixels = points.windows(2).map(|w| {
+            let ends = [w[0], w[1]].map(|p| chart.plotting_area().map_coordinate(&p));
+            f64::hypot(f64::from(ends[0].0 - ends[1].0), f64::from(ends[0].1 - ends[1].1))
+        });
+        let crowded = self.stroke == Stroke::Dashed && pixels.sum::<f64>() > MOST_DASHED;
+        let points = points.into_iter();
         let style = self.style();
         match self.stroke {
+            // Dashes that fill the area cannot be told apart either.
+            _ if crowded => {
+                chart.draw_series(LineSeries::new(points, style))?;
+            }
             Stroke::Solid | Stroke::Thin => {
                 chart.draw_series(LineSeries::new(points, style))?;
             }
@@ -371,7 +396,18 @@ impl Line {
                 pair
             })
             .collect();
-        thin.extend(all.last());
+        let ends = [all.first(), all.last()].map(|end| end.copied());
+        if let [Some(first), Some(last)] = ends {
+            if thin.first() != Some(&first) {
+                thin.insert(0, first);
+            }
+            if thin.last() != Some(&last) {
+                thin.push(last);
+            }
+        }
         thin
     }
 }
+
+#[cfg(test)]
+mod tests;

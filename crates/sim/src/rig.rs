@@ -1,8 +1,7 @@
 //! Rigs by name or from a file.
 
 use crate::error::{Error, Outcome, known_name};
-use crate::{Read, toml};
-use std::path::Path;
+use crate::{Read, is_text, toml};
 use twinrotor::plant::presets::{self, Rig};
 
 /// A rig and what it is called.
@@ -14,17 +13,14 @@ pub struct NamedRig {
     pub rig: Rig,
 }
 
-/// The preset called `name`, or the one in the text of that name (anything that ends in `.toml`).
+/// The preset called `name`, or the one in the text of that name ([`is_text`]).
 ///
 /// # Errors
 ///
 /// If there is none, or the text is not one of a rig that could be.
 pub fn load(name: &str, read: Read<'_>) -> Outcome<NamedRig> {
-    let rig = if Path::new(name).extension().is_some_and(|e| e == "toml") {
-        parse(name, &read(name)?)?
-    } else {
-        *known_name("preset", name, &presets::ALL)?
-    };
+    let rig =
+        if is_text(name) { parse(name, &read(name)?)? } else { *known_name("preset", name, &presets::ALL)? };
     Ok(NamedRig { name: name.to_owned(), rig })
 }
 

@@ -2,12 +2,11 @@
 
 use crate::error::{Error, Outcome, at_least, known_name};
 use crate::metrics::Step;
-use crate::{Read, toml};
+use crate::{Read, is_text, toml};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Deserialize;
-use std::path::Path;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
@@ -62,7 +61,7 @@ impl Scenario {
     ///
     /// If there is none, or the text is not one of a scenario that can be flown.
     pub fn load(name: &str, read: Read<'_>) -> Outcome<Self> {
-        if Path::new(name).extension().is_some_and(|e| e == "toml") {
+        if is_text(name) {
             return Self::parse(name, &read(name)?);
         }
         Self::named(name)

@@ -1,7 +1,7 @@
 //! What the tuner minimises: an integral of the tracking error over a flight, for many candidates at once.
 
 use crate::optimise::Candidate;
-use crate::parallel;
+use crate::parallel::{self, Stop};
 use crate::search::{Effort, Problem};
 use std::sync::atomic::{AtomicU64, Ordering};
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -38,6 +38,8 @@ pub struct Objective {
 const SURELY: f64 = 1.0 + 1e-6;
 /// \[ticks\] From one look at the sums to the next.
 const LOOK_EVERY: u32 = 64;
+/// \[ticks\] From one question whether to stop to the next: milliseconds.
+const ASK_EVERY: u32 = 4096;
 
 impl Objective {
     /// For a rig, a scenario and a world; `seed` is of the scenario's disturbance.
@@ -69,13 +71,14 @@ impl Objective {
         self.costs(&[candidate])[0]
     }
 
-    fn costs_of_group(&self, candidates: &[Candidate]) -> Vec<f64> {
+    fn costs_of_group(&self, candidates: &[Candidate], stop: Stop<'_>) -> Option<Vec<f64>> {
         let settings: Vec<Settings<f32>> = candidates
             .iter()
             .map(|c| Self::controller(&c.position).settings(&self.rig).map(f32::from_f64))
             .collect();
         let bounds: Vec<f64> = candidates.iter().map(|c| c.bound).collect();
-        let (costs, ticks) = in_lanes(Flights { objective: self, settings: &settings, bounds: &bounds });
+        let flights = Flights { objective: self, settings: &settings, bounds: &bounds, stop };
+        let (costs, ticks) = in_lanes(flights)?;
         let lanes = candidates.len() as u64;
         if ticks == self.references.len() {
             let diverged = costs.iter().filter(|c| c.is_infinite()).count() as u64;
@@ -83,14 +86,14 @@ impl Objective {
         }
         self.simulated.fetch_add(ticks as u64 * lanes, Ordering::Relaxed);
         self.skipped.fetch_add((self.references.len() - ticks) as u64 * lanes, Ordering::Relaxed);
-        costs
+        Some(costs)
     }
 }
 
 impl Problem for Objective {
     /// Infinity for one that diverges or provably does not get below its bound.
-    fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
-        parallel::by_group(candidates, LANES, |group| self.costs_of_group(group))
+    fn costs_until(&self, candidates: &[Candidate], stop: Stop<'_>) -> Option<Vec<f64>> {
+        parallel::by_group(candidates, LANES, |group| self.costs_of_group(group, stop))
     }
 
     fn effort(&self) -> Effort {
@@ -103,18 +106,19 @@ impl Problem for Objective {
 }
 
 /// Up to [`LANES`] candidates, each with the cost that it must get below.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 struct Flights<'a> {
     objective: &'a Objective,
     settings: &'a [Settings<f32>],
     bounds: &'a [f64],
+    stop: Stop<'a>,
 }
 
 impl Kernel for Flights<'_> {
     /// The costs, and the ticks that were flown.
-    type Output = (Vec<f64>, usize);
+    type Output = Option<(Vec<f64>, usize)>;
     #[inline(always)]
-    fn run<R: Real<Scalar = f32>>(self) -> (Vec<f64>, usize) {
+    fn run<R: Real<Scalar = f32>>(self) -> Self::Output {
         let settings = paper_settings(gather::<R>(self.settings));
         let rig = &self.objective.rig;
         let start = State::at_rest(PerAxis::zero());
@@ -139,10 +143,14 @@ fn paper_settings<R: Real>(settings: Settings<R>) -> Settings<R> {
 }
 
 impl Flights<'_> {
-    /// Flies to the end, or until every candidate has lost.
+    /// Flies to the end, or until every candidate has lost or nobody waits for it.
     #[inline(always)]
-    fn integrate<R: Real<Scalar = f32>>(&self, mut closed_loop: impl ClosedLoop<R>) -> (Vec<f64>, usize) {
-        let Self { objective: Objective { references, disturbances, criterion, .. }, bounds, .. } = *self;
+    fn integrate<R: Real<Scalar = f32>>(
+        &self,
+        mut closed_loop: impl ClosedLoop<R>,
+    ) -> Option<(Vec<f64>, usize)> {
+        let Self { objective: Objective { references, disturbances, criterion, .. }, bounds, stop, .. } =
+            *self;
         let last = u32::try_from(references.len() - 1).expect("an hour of ticks at most");
         let mut integral = Integral::<R>::new(*criterion);
         let cost = |integral: &Integral<R>, lane| {
@@ -152,14 +160,17 @@ impl Flights<'_> {
         for (tick, (reference, disturbance)) in (0..).zip(references.iter().zip(disturbances)) {
             let happened = closed_loop.tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
             integral.add(tick, last, happened.error());
+            if tick % ASK_EVERY == 0 && stop() {
+                return None;
+            }
             if tick % LOOK_EVERY == LOOK_EVERY - 1
                 && bounds.iter().enumerate().all(|(lane, bound)| cost(&integral, lane) > bound * SURELY)
             {
-                return (vec![f64::INFINITY; bounds.len()], tick as usize + 1);
+                return Some((vec![f64::INFINITY; bounds.len()], tick as usize + 1));
             }
         }
         let costs = (0..bounds.len()).map(|lane| cost(&integral, lane));
         let finite = costs.map(|c| if c.is_nan() { f64::INFINITY } else { c });
-        (finite.collect(), references.len())
+        Some((finite.collect(), references.len()))
     }
 }

@@ -8,6 +8,7 @@
 //! use twinrotor::{gains, plant::presets::PAPER};
 //! use twinrotor_sim::{Error, flight::Fidelity, gains_file::GainsFile};
 //! use twinrotor_sim::{metrics::Criterion, scenario::Scenario};
+//! use twinrotor_tune::checkpoint::Identity;
 //! use twinrotor_tune::integral::Objective;
 //! use twinrotor_tune::optimise::{Algorithm, Bounds, Draws, Setup, Variant};
 //! use twinrotor_tune::search::Search;
@@ -15,7 +16,7 @@
 //! let problem = Objective::new(Criterion::Ise, &PAPER, &Scenario::named("step")?, Fidelity::Ideal, 1);
 //! let setup = Setup { algorithm: Algorithm::Fpa(Variant::Paper), population: None, evaluations: 200 };
 //! let bounds = Bounds::new(vec![gains::PAPER_BOUNDS; 4])?;
-//! let mut search = Search::new("an example".to_owned(), setup.start(bounds, Draws::new(1)));
+//! let mut search = Search::new(Identity::new(), setup.start(bounds, Draws::new(1)));
 //! search.to_the_end(&problem);
 //! let best = search.best().expect("one of 200 flies");
 //! assert!(best.cost < 0.55 * problem.cost(&GainsFile::paper()), "Table 4 is far from the optimum");

@@ -4,6 +4,12 @@
 #[cfg(feature = "threads")]
 use rayon::prelude::*;
 
+/// Asked between one piece of work and the next: is the result of no more use? Then nothing is given.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// The result is wanted whatever happens.
+pub const NEVER: Stop<'static> = &|| false;
+
 /// `of` every item.
 #[cfg(feature = "threads")]
 pub fn map<T: Sync, U: Send>(items: &[T], of: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
@@ -16,20 +22,27 @@ pub fn map<T, U>(items: &[T], of: impl Fn(&T) -> U) -> Vec<U> {
     items.iter().map(of).collect()
 }
 
-/// `of` every group of up to `size` neighbours, one after the other in one list.
+/// `of` every item, or nothing if one has nothing.
 #[cfg(feature = "threads")]
+pub fn try_map<T: Sync, U: Send>(items: &[T], of: impl Fn(&T) -> Option<U> + Sync + Send) -> Option<Vec<U>> {
+    items.par_iter().map(of).collect()
+}
+
+/// `of` every item, or nothing if one has nothing.
+#[cfg(not(feature = "threads"))]
+pub fn try_map<T, U>(items: &[T], of: impl Fn(&T) -> Option<U>) -> Option<Vec<U>> {
+    items.iter().map(of).collect()
+}
+
+/// `of` every group of up to `size` neighbours, one after the other in one list, or nothing if one has
+/// nothing.
 pub fn by_group<T: Sync, U: Send>(
     items: &[T],
     size: usize,
-    of: impl Fn(&[T]) -> Vec<U> + Sync + Send,
-) -> Vec<U> {
-    items.par_chunks(size).flat_map_iter(of).collect()
-}
-
-/// `of` every group of up to `size` neighbours, one after the other in one list.
-#[cfg(not(feature = "threads"))]
-pub fn by_group<T, U>(items: &[T], size: usize, of: impl Fn(&[T]) -> Vec<U>) -> Vec<U> {
-    items.chunks(size).flat_map(of).collect()
+    of: impl Fn(&[T]) -> Option<Vec<U>> + Sync + Send,
+) -> Option<Vec<U>> {
+    let groups: Vec<&[T]> = items.chunks(size).collect();
+    Some(try_map(&groups, |group| of(group))?.into_iter().flatten().collect())
 }
 
 /// `of` every number below `count`.

@@ -1,17 +1,23 @@
 //! A search: an optimiser and a problem, driven to the end or for as long as whoever watches lets it, and
 //! resumed where it was broken off.
 
-use crate::checkpoint;
+use crate::checkpoint::{self, Identity};
 use crate::optimise::{Best, Candidate, Optimiser, Searcher};
+use crate::parallel::{NEVER, Stop};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use twinrotor_sim::Outcome;
 
 /// Something to minimise.
 pub trait Problem: Sync {
-    /// The cost of each candidate, in order. The same candidate costs the same on any number of threads and
-    /// in any company.
-    fn costs(&self, candidates: &[Candidate]) -> Vec<f64>;
+    /// The cost of each candidate, in order, or nothing if `stop` said so before all were known. The same
+    /// candidate costs the same on any number of threads and in any company.
+    fn costs_until(&self, candidates: &[Candidate], stop: Stop<'_>) -> Option<Vec<f64>>;
+
+    /// The cost of each candidate, in order.
+    fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
+        self.costs_until(candidates, NEVER).expect("nothing stops it")
+    }
 
     /// What it has taken so far.
     fn effort(&self) -> Effort;
@@ -31,9 +37,9 @@ pub struct Effort {
 impl Effort {
     fn plus(self, other: Self) -> Self {
         Self {
-            simulated: self.simulated + other.simulated,
-            skipped: self.skipped + other.skipped,
-            diverged: self.diverged + other.diverged,
+            simulated: self.simulated.saturating_add(other.simulated),
+            skipped: self.skipped.saturating_add(other.skipped),
+            diverged: self.diverged.saturating_add(other.diverged),
         }
     }
 }
@@ -41,8 +47,8 @@ impl Effort {
 /// Where a tuning run stands; everything that a restart needs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Search {
-    /// What is being tuned and how, in words.
-    identity: String,
+    /// What is being tuned and how.
+    identity: Identity,
     optimiser: Searcher,
     /// Evaluations and cost at every improvement.
     history: Vec<(usize, f64)>,
@@ -51,17 +57,22 @@ pub struct Search {
 
 impl Search {
     /// At the beginning.
-    pub fn new(identity: String, optimiser: Searcher) -> Self {
+    pub fn new(identity: Identity, optimiser: Searcher) -> Self {
         Self { identity, optimiser, history: Vec::new(), effort: Effort::default() }
     }
 
-    /// As it stood when [`Search::checkpoint`] was asked, if that was of the run that `identity` describes.
+    /// This search, which has only begun, as it stood when [`Search::checkpoint`] was asked.
     ///
     /// # Errors
     ///
     /// If the bytes are damaged, of another version or of another run.
-    pub fn resume(bytes: &[u8], identity: &str) -> Outcome<Self> {
-        checkpoint::decode(bytes, identity)
+    pub fn resume(self, bytes: &[u8]) -> Outcome<Self> {
+        let then: Self = checkpoint::decode(bytes, &self.identity)?;
+        if then.identity == self.identity && then.optimiser.continues(&self.optimiser) {
+            Ok(then)
+        } else {
+            Err(checkpoint::damaged())
+        }
     }
 
     /// Where it stands, for [`Search::resume`].
@@ -70,19 +81,25 @@ impl Search {
     }
 
     /// Drives the search on, to the end of its budget or until `after`, which is shown where it stands after
-    /// every exchange, breaks it off.
+    /// every exchange, breaks it off; `stop` ends it in the middle of an exchange, which then has not been.
     pub fn run<B>(
         &mut self,
         problem: &dyn Problem,
+        stop: Stop<'_>,
         mut after: impl FnMut(&Self) -> ControlFlow<B>,
     ) -> ControlFlow<B> {
         let before = self.effort;
         loop {
+            let stood = self.optimiser.clone();
             let asked = self.optimiser.ask();
             if asked.is_empty() {
                 return ControlFlow::Continue(());
             }
-            self.optimiser.tell(&problem.costs(&asked));
+            let Some(costs) = problem.costs_until(&asked, stop) else {
+                self.optimiser = stood;
+                return after(self);
+            };
+            self.optimiser.tell(&costs);
             self.note_improvement();
             self.effort = before.plus(problem.effort());
             after(self)?;
@@ -91,7 +108,7 @@ impl Search {
 
     /// Drives the search to the end of its budget.
     pub fn to_the_end(&mut self, problem: &dyn Problem) {
-        let _: ControlFlow<()> = self.run(problem, |_| ControlFlow::Continue(()));
+        let _: ControlFlow<()> = self.run(problem, NEVER, |_| ControlFlow::Continue(()));
     }
 
     fn note_improvement(&mut self) {

@@ -1,6 +1,6 @@
 //! `bench-tuners`: methods of search side by side on one problem.
 
-use super::common::{Common, bar, catch_interrupts, interrupted, no_effect, within};
+use super::common::{Common, bar, drawn, no_effect, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
@@ -79,11 +79,11 @@ struct Document<'a> {
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let setups = setups(args)?;
-    if let Some(path) = &args.plot {
-        figure::check("--plot", path)?;
-    }
+    let mut outputs = args.common.outputs();
+    drawn(args.plot.as_deref(), &mut outputs)?;
     if let Some(path) = &args.export {
         export::check("--export", path, false)?;
+        outputs.writes("--export", path)?;
     }
     let (peers, what) = match args.objective {
         Goal::Ise => {
@@ -92,7 +92,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             let problem =
                 Objective::new(Criterion::Ise, &named.rig, &step, Fidelity::Ideal, args.common.seed);
             let bounds = Bounds::new(vec![gains::PAPER_BOUNDS; 4])?;
-            (search(args, &setups, &bounds, &problem)?, "ISE of the step, four gains in 1..25".to_owned())
+            (search(args, &setups, &bounds, &problem), "ISE of the step, four gains in 1..25".to_owned())
         }
         Goal::Robust => robust_problem(args, &named, &setups)?,
     };
@@ -100,13 +100,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let standings = standings(&peers, known);
     if let Some(path) = &args.plot {
         let title = format!("{}: {what}; median of {} seeds, quarter points", named.name, args.seeds);
-        figure::write(&figures::convergence(&title, &peers, known, setups[0].1.evaluations), path)?;
+        let figure = figures::convergence(&title, &peers, known, setups[0].1.evaluations);
+        outputs.write(path, &figure::bytes(&figure, path)?);
     }
     if let Some(path) = &args.export {
-        runs(&peers).write(path)?;
+        outputs.write(path, &runs(&peers).bytes(path)?);
     }
     if args.common.json {
-        return print_json(&Document {
+        print_json(&Document {
             preset: &named.name,
             objective: args.objective,
             seed: args.common.seed,
@@ -115,15 +116,17 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             best_known: known,
             standings,
             algorithms: &peers,
-        });
+        })?;
+    } else {
+        print(&format!(
+            "{}: {what}; {} seeds, {} evaluations each\n{}\n",
+            named.name,
+            args.seeds,
+            setups[0].1.evaluations,
+            table(&standings)
+        ))?;
     }
-    print(&format!(
-        "{}: {what}; {} seeds, {} evaluations each\n{}\n",
-        named.name,
-        args.seeds,
-        setups[0].1.evaluations,
-        table(&standings)
-    ))
+    outputs.done()
 }
 
 /// Refuses what ISE in the paper's world would not heed.
@@ -172,26 +175,18 @@ fn robust_problem(args: &Args, named: &NamedRig, setups: &[(String, Setup)]) -> 
         tunable.names().len(),
         range
     );
-    Ok((search(args, setups, &bounds, &Robust::new(&trial, &tunable))?, what))
+    Ok((search(args, setups, &bounds, &Robust::new(&trial, &tunable)), what))
 }
 
-fn search(
-    args: &Args,
-    setups: &[(String, Setup)],
-    bounds: &Bounds,
-    problem: &dyn Problem,
-) -> Outcome<Vec<Peer>> {
-    catch_interrupts();
-    let total: usize = setups.iter().map(|(_, s)| s.evaluations * args.seeds).sum();
+fn search(args: &Args, setups: &[(String, Setup)], bounds: &Bounds, problem: &dyn Problem) -> Vec<Peer> {
+    let total = setups.iter().map(|(_, s)| s.evaluations.saturating_mul(args.seeds));
+    let total = total.fold(0, usize::saturating_add);
     let bar = bar(total, "{prefix:12} {bar:32} {pos}/{len} evaluations, {eta} left");
-    let seeds = || args.common.seed..args.common.seed.saturating_add(args.seeds as u64);
-    let seen = |evaluations: usize| {
-        bar.inc(evaluations as u64);
-        !interrupted()
-    };
+    let seeds: Vec<u64> = (0..args.seeds as u64).map(|k| args.common.seed.wrapping_add(k)).collect();
+    let seen = |evaluations: usize| bar.inc(evaluations as u64);
     let one = |(name, setup): &(String, Setup)| {
         bar.set_prefix(name.clone());
-        Peer::search(name, setup, bounds, seeds(), problem, &seen).ok_or(Failure::Interrupted)
+        Peer::search(name, setup, bounds, &seeds, problem, &seen)
     };
     let peers = setups.iter().map(one).collect();
     bar.finish_and_clear();
@@ -203,7 +198,7 @@ fn runs(peers: &[Peer]) -> Table {
     let all = || peers.iter().flat_map(|p| p.runs.iter().map(move |r| (p, r)));
     let mut table = Table::default();
     table.push("algorithm", Column::Words(all().map(|(p, _)| p.name.clone()).collect()));
-    table.push("seed", Column::Numbers(all().map(|(_, r)| r.seed as f64).collect()));
+    table.push("seed", Column::Counts(all().map(|(_, r)| r.seed).collect()));
     table.push("cost", Column::Numbers(all().map(|(_, r)| r.cost).collect()));
     let dimension = all().next().map_or(0, |(_, r)| r.position.len());
     for k in 0..dimension {

@@ -1,12 +1,12 @@
 //! Flags that several commands share, and how they are resolved.
 
 use crate::error::{Failure, Outcome};
-use crate::files;
-use crate::files::checkpoint;
+use crate::files::output::Outputs;
+use crate::files::{checkpoint, figure};
+use crate::{files, threads};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::{Path, PathBuf};
 use twinrotor::axes::PerMotor;
 use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
@@ -41,13 +41,17 @@ impl Common {
             named.rig.plant.rotor_time_constant = PerMotor::both(at_least("--rotor-lag", lag, 0.0, false)?);
         }
         if let Some(threads) = self.threads {
-            if threads == 0 || threads > 1024 {
-                return Err(Failure::Input(format!("--threads is {threads}; allowed: 1 to 1024")));
-            }
-            // Fails only if the pool was set before, which one command does not do.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+            within("--threads", threads, 1, 1024)?;
         }
+        threads::begin(self.threads);
         Ok(named)
+    }
+
+    /// The rig's file and others that the flags named are read.
+    pub(super) fn outputs(&self) -> Outputs {
+        let mut outputs = Outputs::new();
+        outputs.reads("--preset", &self.preset);
+        outputs
     }
 }
 
@@ -57,28 +61,33 @@ pub(super) struct Checkpoint {
     /// Keep the state of the search in this file, so that it can be resumed
     #[arg(id = "checkpoint", long = "checkpoint", value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Go on from --checkpoint
+    /// Go on from --checkpoint, or begin if it is not there yet
     #[arg(long, requires = "checkpoint")]
     pub resume: bool,
 }
 
 impl Checkpoint {
-    /// What the file holds with `--resume`; without, a new search and a checkpoint that nothing is lost by.
+    /// Says that it is written, and refuses one that is there unless it is to be gone on from.
+    pub(super) fn check(&self, outputs: &mut Outputs) -> Outcome<()> {
+        let Some(path) = &self.file else { return Ok(()) };
+        if !self.resume {
+            checkpoint::check_fresh(path)?;
+        }
+        outputs.writes("--checkpoint", path)
+    }
+
+    /// `begun`, or with `--resume` what `resume` makes of it and of the file, if there is one yet.
     pub(super) fn resume_or<S>(
         &self,
-        identity: String,
-        resume: fn(&[u8], &str) -> Result<S, Error>,
-        new: impl FnOnce(String) -> S,
+        begun: S,
+        resume: impl FnOnce(S, &[u8]) -> Result<S, Error>,
     ) -> Outcome<S> {
         match &self.file {
-            Some(path) if self.resume => {
-                let resumed = resume(&checkpoint::read(path)?, &identity);
-                return Ok(resumed.map_err(|e| e.within(path.display()))?);
+            Some(path) if self.resume && path.exists() => {
+                Ok(resume(begun, &checkpoint::read(path)?).map_err(|e| e.within(path.display()))?)
             }
-            Some(path) => checkpoint::check_fresh(path)?,
-            None => {}
+            _ => Ok(begun),
         }
-        Ok(new(identity))
     }
 }
 
@@ -101,7 +110,7 @@ pub(super) fn bar(total: usize, template: &str) -> ProgressBar {
     ProgressBar::new(total as u64).with_style(style)
 }
 
-/// How a search ended, but for one that failed.
+/// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     /// The budget is used up.
@@ -124,15 +133,18 @@ pub(super) fn pair(flag: &str, text: &str) -> Outcome<[f64; 2]> {
     }
 }
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// From now on Ctrl-C asks to stop, and [`interrupted`] tells.
-pub(super) fn catch_interrupts() {
-    // Fails only if a handler was set before, which one command does not do.
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
+/// Where a figure goes: to `plot`, or beside `out` as SVG.
+pub(super) fn beside(plot: Option<&Path>, out: &Path, outputs: &mut Outputs) -> Outcome<PathBuf> {
+    let path = plot.map_or_else(|| out.with_extension("svg"), Path::to_owned);
+    let flag = if plot.is_some() { "--plot" } else { "--plot (beside --out, if it is left out)" };
+    figure::check(flag, &path)?;
+    outputs.writes(flag, &path)?;
+    Ok(path)
 }
 
-/// Was Ctrl-C pressed?
-pub(super) fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
+/// Where a figure goes, if one is wanted.
+pub(super) fn drawn(plot: Option<&Path>, outputs: &mut Outputs) -> Outcome<()> {
+    let Some(path) = plot else { return Ok(()) };
+    figure::check("--plot", path)?;
+    outputs.writes("--plot", path)
 }

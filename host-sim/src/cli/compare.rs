@@ -5,7 +5,7 @@ use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::export::{self, Column, Table};
-use crate::files::output;
+use crate::files::output::{self, Outputs};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -14,8 +14,9 @@ use twinrotor::plant::PlantParameters;
 use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
-use twinrotor_tune::design::{self, CATALOGUE};
+use twinrotor_tune::design::{self, CATALOGUE, Design};
 use twinrotor_tune::robust::{self, Row, Score, Trial, Tuning};
 
 /// Flags of `compare`.
@@ -67,9 +68,6 @@ struct Document<'a> {
     controllers: Vec<Row>,
 }
 
-/// A seed of plants that no tuning uses: tuning draws from the seed itself.
-const UNSEEN: u64 = 1_000_000;
-
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     if args.fidelity != choices::Fidelity::Rig {
@@ -77,11 +75,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     within("--plants", args.plants, 2, 100_000)?;
     let trial = trial(args, &named)?;
-    if let Some(path) = &args.export {
-        export::check("--export", path, false)?;
-    }
+    let mut outputs = outputs(args, &named)?;
     if let Some(rounds) = args.tune {
-        tune_all(args, &named, rounds)?;
+        tune_all(args, &named, rounds, &mut outputs)?;
     }
     let controllers = controllers(args, &named)?;
     let scores: Vec<Vec<Score>> = controllers.iter().map(|(_, c)| trial.scores(c)).collect();
@@ -93,19 +89,44 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         .collect();
     if let Some(path) = &args.export {
         let names = controllers.iter().map(|(name, _)| name.as_str());
-        flights(names.zip(&scores)).write(path)?;
+        outputs.write(path, &flights(names.zip(&scores)).bytes(path)?);
     }
     if args.common.json {
-        return print_json(&Document {
+        print_json(&Document {
             preset: &named.name,
             fidelity: args.fidelity.into(),
             plants: args.plants,
             seed: args.common.seed,
             rotor_lag: named.rig.plant.rotor_time_constant,
             controllers: rows,
-        });
+        })?;
+    } else {
+        print(&report(args, &named, &rows))?;
     }
-    print(&report(args, &named, &rows))
+    outputs.done()
+}
+
+/// What is read and written.
+fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
+    let mut outputs = args.common.outputs();
+    outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
+    outputs.reads("--gains", ours_path(args, named));
+    for name in args.controllers.iter().filter(|name| is_text(name)) {
+        outputs.reads("--controllers", name);
+    }
+    if let Some(rounds) = args.tune {
+        within("--tune", rounds, 1, 1_000)?;
+        for (name, _) in tuned(args) {
+            let path = compared_path(args, named, name);
+            output::check_folder("--gains", path.parent().unwrap_or(&args.gains))?;
+            outputs.writes("--gains", &path)?;
+        }
+    }
+    if let Some(path) = &args.export {
+        export::check("--export", path, false)?;
+        outputs.writes("--export", path)?;
+    }
+    Ok(outputs)
 }
 
 /// The plants to fly, and how.
@@ -117,7 +138,8 @@ fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
         }
         None => robust::allowance(&named.name, &named.rig),
     };
-    let mut trial = Trial::new(&named.rig, args.plants, UNSEEN + args.common.seed, allowance);
+    let mut trial =
+        Trial::new(&named.rig, args.plants, args.common.seed.wrapping_add(robust::UNSEEN), allowance);
     if let Some(text) = &args.step {
         let [pitch, yaw] = pair("--step", text)?;
         if !(pitch > 0.0 && pitch <= 90.0 && yaw > 0.0 && yaw <= 360.0) {
@@ -206,7 +228,7 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
     for name in asked {
         list.push(if name == "paper" {
             (name, GainsFile::paper().controller)
-        } else if Path::new(&name).extension().is_some_and(|e| e == "toml") {
+        } else if is_text(&name) {
             let controller = load(Path::new(&name))?;
             (name, controller)
         } else {
@@ -218,22 +240,18 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
 
 /// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies
 /// by default has had more.
-fn tune_all(args: &Args, named: &NamedRig, rounds: usize) -> Outcome<()> {
-    within("--tune", rounds, 1, 1_000)?;
+fn tune_all(args: &Args, named: &NamedRig, rounds: usize, outputs: &mut Outputs) -> Outcome<()> {
     let tuning = Tuning::standard(named, rounds, args.common.seed);
-    let wanted = |name: &str| args.controllers.is_empty() || args.controllers.iter().any(|c| c == name);
-    for (name, design) in CATALOGUE.iter().filter(|(name, _)| *name != "paper" && wanted(name)) {
-        save(&compared_path(args, named, name), &tuning.run(*design)?)?;
+    for (name, design) in tuned(args) {
+        outputs.write(&compared_path(args, named, name), tuning.run(design)?.to_toml().as_bytes());
     }
     Ok(())
 }
 
-fn save(path: &Path, file: &GainsFile) -> Outcome<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::Run(format!("{}: cannot be made: {e}", folder.display())))?;
-    }
-    output::write(path, file.to_toml().as_bytes())
+/// What is tuned for the comparison.
+fn tuned(args: &Args) -> impl Iterator<Item = (&'static str, Design)> {
+    let wanted = |name: &str| args.controllers.is_empty() || args.controllers.iter().any(|c| c == name);
+    CATALOGUE.into_iter().filter(move |(name, _)| *name != "paper" && wanted(name))
 }
 
 fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {

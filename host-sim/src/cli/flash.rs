@@ -1,9 +1,9 @@
 //! `flash`: gains onto a board.
 
-use super::{print, print_json};
+use super::{print, print_json, tell};
 use crate::error::{Failure, Outcome};
 use crate::files;
-use crate::files::output;
+use crate::files::output::{self, Outputs};
 use crate::serial;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -56,9 +56,12 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let mut parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.checked = args.checked;
     let image = image::image(&parameters)?;
+    if let Some(path) = &args.image {
+        check_image(args, &named.name, path)?;
+    }
     let warning = not_a_rig(&named.name, &gains);
     if let Some(warning) = &warning {
-        eprintln!("warning: {warning}");
+        tell(&format!("warning: {warning}"));
     }
     let done = match (&args.image, &args.port) {
         (Some(path), _) => write_image(path, &image)?,
@@ -100,17 +103,23 @@ fn not_a_rig(preset: &str, gains: &GainsFile) -> Option<String> {
     (tuned != preset).then(|| format!("these gains were tuned on '{tuned}', not on '{preset}'"))
 }
 
+fn check_image(args: &Args, preset: &str, path: &Path) -> Outcome<()> {
+    if !matches!(files::ending(path).as_deref(), Some("bin" | "hex")) {
+        return Err(Failure::Input(format!(
+            "--image is '{}'; allowed: a file that ends in .bin or .hex",
+            path.display()
+        )));
+    }
+    let mut outputs = Outputs::new();
+    outputs.reads("GAINS", &args.gains);
+    outputs.reads("--preset", preset);
+    outputs.writes("--image", path)
+}
+
 fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
-    output::check("--image", path)?;
-    let bytes = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("bin") => image.to_vec(),
+    let bytes = match files::ending(path).as_deref() {
         Some("hex") => image::intel_hex(image).into_bytes(),
-        _ => {
-            return Err(Failure::Input(format!(
-                "--image is '{}'; allowed: a file that ends in .bin or .hex",
-                path.display()
-            )));
-        }
+        _ => image.to_vec(),
     };
     output::write(path, &bytes)?;
     Ok(format!("wrote {} ({} bytes for {AREA_ADDRESS:#x})", path.display(), image.len()))

@@ -1,13 +1,14 @@
 //! `identify`: a rig's constants from its logs.
 
-use super::common::{Checkpoint, Common, End, catch_interrupts, interrupted, within};
+use super::common::{Checkpoint, Common, End, beside, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::residuals::residuals;
 use crate::files;
 use crate::files::checkpoint::Keeper;
 use crate::files::figure;
-use crate::files::output;
+use crate::files::output::Outputs;
+use crate::stop;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
@@ -31,6 +32,7 @@ use twinrotor_sim::Error;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::checkpoint::Identity;
 
 /// Flags of `identify`.
 #[derive(Debug, clap::Args)]
@@ -106,7 +108,7 @@ struct Document<'a> {
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let begun = Instant::now();
     let mut named = args.common.resolve()?;
-    let plot = check_paths(args)?;
+    let (plot, mut outputs) = check_paths(args)?;
     let window = at_least("--window", args.window, 0.2, false)?;
     let mut free = constants::chosen(&args.free, &args.fix).map_err(Failure::of_flag)?;
     let runs = load(&args.logs, args, &named.rig)?;
@@ -126,12 +128,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let windows = training_windows(&runs, window).map_err(Failure::of_flag)?;
     let count = windows.len();
     let problem = Problem::new(&runs, windows, &named.rig.plant, &free, THRESHOLD);
-    catch_interrupts();
     let mut search = begin(args, &named, &problem, &runs)?;
-    let end = drive(args, &problem, &mut search)?;
+    let listening = stop::listen(stop::Second::Ends);
+    let (end, checkpoint) = drive(args, &problem, &mut search, &mut outputs)?;
+    let go_on = checkpoint
+        .map_or_else(String::new, |path| format!("; --checkpoint {} --resume goes on", path.display()));
     let Some((found, cost)) = search.best().cloned() else {
         return Err(if end == End::Interrupted {
-            Failure::Interrupted
+            Failure::Interrupted(format!("no descent had come to an end yet; no preset is written{go_on}"))
         } else {
             Failure::Run("no descent came to an end; nothing is written".to_owned())
         });
@@ -140,7 +144,19 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let plant = problem.plant(&found.values);
     let rig = identified(&named.rig, plant, &runs).map_err(|e| with_notes(e, &notes))?;
     let (mut parameters, known) = twinrotor_identify::parameters(&problem, &found);
-    output::write(&args.out, preset_file(&rig, args, &named).as_bytes())?;
+    outputs.write(&args.out, preset_file(&rig, args, &named).as_bytes());
+    drop(listening);
+    if stop::requested() {
+        if !args.common.json {
+            print(&outputs.unwritten())?;
+        }
+        outputs.done()?;
+        let ended = search.descents().len();
+        return Err(Failure::Interrupted(format!(
+            "the best of {ended} descents, with cost {cost:.6}, is in {}{go_on}",
+            args.out.display()
+        )));
+    }
     let mut compared: Vec<(&Run, f64, &'static str)> =
         runs.iter().zip(&found.offsets).map(|(run, offset)| (run, *offset, "train")).collect();
     compared.extend(others.iter().map(|run| (run, offset_of(run, &plant, window), "validate")));
@@ -148,13 +164,13 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         compared.iter().flat_map(|(run, offset, role)| log_fits(run, *offset, role, &rig)).collect();
     let drawn: Vec<(&Run, f64)> = compared.iter().map(|(run, offset, _)| (*run, *offset)).collect();
     let drawn = residuals(&format!("Windows of {window} s, simulated"), &drawn, &plant, window);
-    figure::write(&drawn, &plot)?;
+    outputs.write(&plot, &figure::bytes(&drawn, &plot)?);
 
     let suggestion = match &args.suggest {
         Some(path) => {
             let gains = gains(args, &named)?;
             let suggestion = suggest(&rig, &gains, &free, &found, (&parameters, &known), window)?;
-            output::write(path, suggestion.toml.as_bytes())?;
+            outputs.write(path, suggestion.toml.as_bytes());
             Some(suggestion)
         }
         None => None,
@@ -178,24 +194,27 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         })?;
     } else {
         let heading = format!("{} logs, {count} windows of {window} s, {wall_s:.1} s", runs.len());
-        print(&summary(args, &heading, &parameters, &fits, &notes, suggestion.as_ref(), &plot))?;
+        let summary = summary(args, &heading, &parameters, &fits, &notes, suggestion.as_ref(), &plot);
+        print(&format!("{summary}{}", outputs.unwritten()))?;
     }
-    match end {
-        End::Interrupted => Err(Failure::Interrupted),
-        End::Complete | End::TimeLimit => Ok(()),
-    }
+    outputs.done()
 }
 
 /// Refuses, before any work is done, what could not be written or searched; gives the figure's path.
-fn check_paths(args: &Args) -> Outcome<PathBuf> {
-    output::check("--out", &args.out)?;
-    let plot = args.plot.clone().unwrap_or_else(|| args.out.with_extension("svg"));
-    figure::check("--plot", &plot)?;
-    if let Some(path) = &args.suggest {
-        output::check("--suggest", path)?;
-    }
+fn check_paths(args: &Args) -> Outcome<(PathBuf, Outputs)> {
     within("--population", args.population, 2, 10_000)?;
-    Ok(plot)
+    within("--iterations", args.iterations, 0, 100_000)?;
+    let mut outputs = args.common.outputs();
+    outputs.reads("--gains", args.gains.as_deref().unwrap_or_default());
+    args.logs.iter().for_each(|log| outputs.reads("LOG.csv", log));
+    args.validate.iter().for_each(|log| outputs.reads("--validate", log));
+    outputs.writes("--out", &args.out)?;
+    let plot = beside(args.plot.as_deref(), &args.out, &mut outputs)?;
+    if let Some(path) = &args.suggest {
+        outputs.writes("--suggest", path)?;
+    }
+    args.checkpoint.check(&mut outputs)?;
+    Ok((plot, outputs))
 }
 
 fn load(paths: &[PathBuf], args: &Args, rig: &Rig) -> Outcome<Vec<Run>> {
@@ -220,18 +239,28 @@ fn with_notes(error: Error, notes: &[String]) -> Failure {
 fn begin(args: &Args, named: &NamedRig, problem: &Problem<'_>, runs: &[Run]) -> Outcome<Search> {
     let effort = Effort { population: args.population, iterations: args.iterations, seed: args.common.seed };
     let logs: Vec<String> = runs.iter().map(|r| format!("{} {:08x}", r.log.name, r.log.checksum())).collect();
-    let identity = format!(
-        "identify {:?} {logs:?} columns {:?} free {:?} window {} {effort:?}",
-        named.rig,
-        args.columns,
-        problem.free(),
-        args.window
-    );
-    let new = |identity| Search::new(identity, problem, &named.rig.plant, effort);
-    args.checkpoint.resume_or(identity, Search::resume, new)
+    let free: Vec<&str> = problem.free().iter().map(|k| constants::CONSTANTS[*k].name).collect();
+    let identity = Identity::new()
+        .with("preset", &named.name)
+        .with_toml(&twinrotor_sim::rig::to_toml(&named.rig))
+        .with("log", logs.join(", "))
+        .with("columns", &args.columns)
+        .with("free constants", free.join(","))
+        .with("window", args.window)
+        .with("population", effort.population)
+        .with("iterations", effort.iterations)
+        .with("seed", effort.seed);
+    let begun = Search::new(identity, problem, &named.rig.plant, effort);
+    args.checkpoint.resume_or(begun, |begun, bytes| begun.resume(bytes, problem))
 }
 
-fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End> {
+/// How it ended, and where its state is kept.
+fn drive(
+    args: &Args,
+    problem: &Problem<'_>,
+    search: &mut Search,
+    outputs: &mut Outputs,
+) -> Outcome<(End, Option<PathBuf>)> {
     let bar = ProgressBar::new_spinner();
     bar.set_style(
         ProgressStyle::with_template("{spinner} {msg}, {elapsed}").expect("the template is well-formed"),
@@ -241,16 +270,14 @@ fn drive(args: &Args, problem: &Problem<'_>, search: &mut Search) -> Outcome<End
         bar.tick();
     };
     let keeper = Keeper::new(args.checkpoint.file.as_deref());
-    let end = search.run(problem, args.window, |search, what, cost| {
+    let end = search.run(problem, args.window, &stop::requested, |search, what, cost| {
         progress(what, cost);
-        match keeper.keep_now(|| search.checkpoint()) {
-            Err(failure) => ControlFlow::Break(Err(failure)),
-            Ok(()) if interrupted() => ControlFlow::Break(Ok(End::Interrupted)),
-            Ok(()) => ControlFlow::Continue(()),
-        }
+        keeper.keep_now(|| search.checkpoint());
+        if stop::requested() { ControlFlow::Break(End::Interrupted) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
-    end.map_err(Failure::of_flag)?.break_value().unwrap_or(Ok(End::Complete))
+    let end = end.map_err(Failure::of_flag)?.break_value().unwrap_or(End::Complete);
+    Ok((end, keeper.done(outputs)))
 }
 
 fn log_fits(run: &Run, offset: f64, role: &'static str, rig: &Rig) -> Vec<LogFit> {

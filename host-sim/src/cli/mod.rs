@@ -2,7 +2,7 @@
 //! nowhere else.
 //!
 //! 0 done; 1 the run failed; 2 bad input, told in one line; 3 the flight left the
-//! envelope or a fault stopped it; 130 after Ctrl-C, with the best so far written.
+//! envelope or a fault stopped it; 130 after Ctrl-C, SIGTERM or SIGHUP, with what it says is kept.
 
 mod bench;
 mod bench_tuners;
@@ -19,6 +19,7 @@ mod tables;
 mod tune;
 
 use crate::error::{Failure, Outcome};
+use crate::stop;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::io::Write;
@@ -58,6 +59,7 @@ enum Command {
 
 /// Runs what was typed.
 pub fn main() -> ExitCode {
+    stop::watch();
     let cli = match parse() {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
@@ -77,7 +79,7 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("error: {failure}");
+            tell(&format!("error: {failure}"));
             ExitCode::from(failure.exit_status())
         }
     }
@@ -119,8 +121,13 @@ fn usage(error: &clap::Error) -> ExitCode {
     let told = text.split("\n\nUsage").next().unwrap_or_default().split("\n\nFor more").next();
     let line: Vec<&str> = told.unwrap_or_default().split_whitespace().collect();
     let line = NUMBERS.iter().fold(line.join(" "), |line, (theirs, ours)| line.replace(theirs, ours));
-    eprintln!("{line} (--help lists what there is)");
+    tell(&format!("{line} (--help lists what there is)"));
     ExitCode::from(2)
+}
+
+/// Says a line on standard error. If nobody can be told, the exit status still says it.
+fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Prints to standard output. A reader that has gone away is no failure of ours.

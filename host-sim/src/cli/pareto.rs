@@ -1,17 +1,17 @@
 //! `pareto`: no single best, but the choice there is.
 
-use super::common::{Common, bar, catch_interrupts, interrupted, within};
+use super::common::{Common, bar, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files;
 use crate::files::export::{Column, Table};
 use crate::files::figure;
-use crate::files::output;
-use crate::report;
+use crate::files::output::{self, Outputs};
+use crate::stop;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
 use twinrotor_sim::rig::NamedRig;
@@ -58,18 +58,20 @@ struct Document<'a> {
     controller: &'a str,
     seed: u64,
     plants: usize,
+    evaluations: usize,
     objectives: [&'static str; 3],
     /// Counted from 1, as the files are.
     chosen: usize,
     front: &'a [Compromise],
 }
 
-fn costs(trial: &Trial, tunable: &Tunable, position: &[f64]) -> Vec<f64> {
-    let scores = trial.scores(&tunable.controller(position));
+/// What a position costs, unless nobody waits for it.
+fn costs(trial: &Trial, tunable: &Tunable, position: &[f64]) -> Option<Vec<f64>> {
+    let scores = trial.scores_until(&tunable.controller(position), &stop::requested)?;
     let mean = Terms::mean(scores.iter().map(Score::terms));
     // A controller that fails on some plants is no compromise: it loses to any that does not.
     let failed = 100.0 * scores.iter().filter(|s| s.failed).count() as f64;
-    vec![mean.settling + failed, mean.disturbance + failed, 1e3 * (mean.variation + failed)]
+    Some(vec![mean.settling + failed, mean.disturbance + failed, 1e3 * (mean.variation + failed)])
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
@@ -84,37 +86,53 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let trial = Trial::new(&named.rig, args.plants, args.common.seed, allowance);
     let reach = args.range.ln();
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
-    report::prepare(&args.out)?;
+    output::check_folder("--out", &args.out)?;
 
-    catch_interrupts();
+    let mut outputs = args.common.outputs();
+    outputs.reads("--start", args.start.as_deref().unwrap_or_default());
+    for name in names(&args.out) {
+        outputs.spares("--out", &name)?;
+    }
+
+    let listening = stop::listen(stop::Second::Ends);
     let bar = bar(args.population * (args.iterations + 1), "{bar:32} {pos}/{len} evaluations, {eta} left");
-    let front = pareto_front(
+    let (front, evaluations) = pareto_front(
         &bounds,
         Draws::new(args.common.seed),
         [args.population, args.iterations],
         |all| all.par_iter().map(|position| costs(&trial, &tunable, position)).collect(),
-        |evaluations| {
-            bar.set_position(evaluations as u64);
-            !interrupted()
-        },
+        |evaluations| bar.set_position(evaluations as u64),
     );
     bar.finish_and_clear();
+    if front.is_empty() {
+        return Err(Failure::Interrupted(
+            "the first generation had not flown yet; nothing is written".to_owned(),
+        ));
+    }
     let chosen = knee(&front);
-    write(args, &named, &tunable, &front, chosen)?;
+    let found = Found { front: &front, chosen, evaluations };
+    write(args, &named, &tunable, &found, &mut outputs)?;
+    drop(listening);
     if args.common.json {
         print_json(&Document {
             preset: &named.name,
             controller: &args.controller,
             seed: args.common.seed,
             plants: args.plants,
+            evaluations,
             objectives: OBJECTIVES,
             chosen: chosen + 1,
             front: &front,
         })?;
     } else {
-        print(&summary(args, &named, &front, chosen))?;
+        print(&format!("{}{}", summary(args, &named, &found), outputs.unwritten()))?;
     }
-    if interrupted() { Err(Failure::Interrupted) } else { Ok(()) }
+    outputs.done()?;
+    if stop::requested() {
+        let kept = format!("the front after {evaluations} evaluations is in {}", args.out.display());
+        return Err(Failure::Interrupted(kept));
+    }
+    Ok(())
 }
 
 fn check(args: &Args) -> Outcome<()> {
@@ -125,39 +143,83 @@ fn check(args: &Args) -> Outcome<()> {
     Ok(())
 }
 
+/// What came out.
+struct Found<'a> {
+    front: &'a [Compromise],
+    /// Which of it.
+    chosen: usize,
+    evaluations: usize,
+}
+
+/// How the points of a front say what they are.
+const POINT: &str = "Pareto point ";
+
 fn write(
     args: &Args,
     named: &NamedRig,
     tunable: &Tunable,
-    front: &[Compromise],
-    chosen: usize,
+    found: &Found<'_>,
+    outputs: &mut Outputs,
 ) -> Outcome<()> {
+    let Found { front, chosen, evaluations } = *found;
+    remove_others(args, front.len());
     let mut table = Table::default();
     table.push("point", Column::Numbers((1..=front.len()).map(|k| k as f64).collect()));
     for (k, name) in OBJECTIVES.iter().enumerate() {
         table.push(name, Column::Numbers(front.iter().map(|p| p.costs[k]).collect()));
     }
-    table.write(&args.out.join("front.csv"))?;
+    let path = args.out.join("front.csv");
+    outputs.write(&path, &table.bytes(&path)?);
     let title = format!("{}: the trade-off on {} plants", named.name, args.plants);
-    figure::write(&figures::front(&title, front, chosen), &args.out.join("front.svg"))?;
+    let path = args.out.join("front.svg");
+    outputs.write(&path, &figure::bytes(&figures::front(&title, front, chosen), &path)?);
     for (k, point) in front.iter().enumerate() {
         let provenance = Provenance {
             preset: named.name.clone(),
-            objective: format!("Pareto point {} of {}, {} plants", k + 1, front.len(), args.plants),
+            objective: format!("{POINT}{} of {}, {} plants", k + 1, front.len(), args.plants),
             algorithm: "nsga-ii".to_owned(),
             seed: args.common.seed,
-            evaluations: args.population * (args.iterations + 1),
+            evaluations,
             cost: point.costs.iter().sum(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
         let file =
             GainsFile { controller: tunable.controller(&point.position), provenance: Some(provenance) };
-        output::write(&args.out.join(format!("{:02}.toml", k + 1)), file.to_toml().as_bytes())?;
+        outputs.write(&point_path(args, k + 1), file.to_toml().as_bytes());
     }
     Ok(())
 }
 
-fn summary(args: &Args, named: &NamedRig, front: &[Compromise], chosen: usize) -> String {
+fn point_path(args: &Args, number: usize) -> PathBuf {
+    args.out.join(format!("{number:02}.toml"))
+}
+
+/// What is in the folder under a name that a front has.
+fn names(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let ours = |path: &PathBuf| {
+        let number =
+            path.file_stem().and_then(|stem| stem.to_str()).and_then(|stem| stem.parse::<usize>().ok());
+        number.is_some() && files::ending(path).as_deref() == Some("toml")
+            || ["front.csv", "front.svg"].iter().any(|name| path.ends_with(name))
+    };
+    entries.map(|entry| entry.path()).filter(ours).collect()
+}
+
+/// Points of an earlier front would pass for some of this one, which writes the first `count`.
+fn remove_others(args: &Args, count: usize) {
+    let is_point = |path: &Path| {
+        let file = files::gains("--out", &path.to_string_lossy()).ok().and_then(|file| file.provenance);
+        file.is_some_and(|provenance| provenance.objective.starts_with(POINT))
+    };
+    let kept: Vec<PathBuf> = (1..=count).map(|number| point_path(args, number)).collect();
+    for path in names(&args.out).into_iter().filter(|path| !kept.contains(path) && is_point(path)) {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+fn summary(args: &Args, named: &NamedRig, found: &Found<'_>) -> String {
+    let Found { front, chosen, evaluations } = *found;
     let mut table =
         tables::table(&["point", "settling, both [s]", "disturbed RMS, both [°]", "variation [V/s]", ""]);
     for (k, point) in front.iter().enumerate() {
@@ -174,11 +236,10 @@ fn summary(args: &Args, named: &NamedRig, front: &[Compromise], chosen: usize) -
         );
     }
     format!(
-        "{}: means over {} plants, {} evaluations\n{table}\nfigure: {}\ngains of a point: {}\n",
+        "{}: means over {} plants, {evaluations} evaluations\n{table}\nfigure: {}\ngains of a point: {}\n",
         named.name,
         args.plants,
-        args.population * (args.iterations + 1),
         args.out.join("front.svg").display(),
-        args.out.join(format!("{:02}.toml", chosen + 1)).display()
+        point_path(args, chosen + 1).display()
     )
 }

@@ -1,9 +1,9 @@
 //! `replay`: a log through the firmware's estimator and law.
 
-use super::common::Common;
+use super::common::{Common, drawn};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, as_typed};
-use crate::figures::replay::figure as drawn;
+use crate::figures::replay::figure as drawing;
 use crate::files;
 use crate::files::figure;
 use crate::serial;
@@ -61,9 +61,13 @@ struct Document<'a> {
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let gains = files::gains("--gains", &args.gains)?;
-    if let Some(path) = &args.plot {
-        figure::check("--plot", path)?;
+    let mut outputs = args.common.outputs();
+    outputs.reads("--gains", &args.gains);
+    outputs.reads("LOG.csv", &args.log);
+    if let Some(name) = &args.scenario {
+        outputs.reads("--scenario", name);
     }
+    drawn(args.plot.as_deref(), &mut outputs)?;
     let scenario = args.scenario.as_deref().map(files::scenario).transpose()?;
     let columns = Columns::parse(&args.columns).map_err(Failure::of_flag)?;
     let log = files::log(&args.log, &columns, &named.rig)?;
@@ -79,14 +83,16 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let (rows, report) = replay::compare(&log, &samples, &replayed);
     let title = format!("{} through {} gains on {}", log.name, args.gains, named.name);
     if let Some(path) = &args.plot {
-        figure::write(&drawn(&title, &rows, named.rig.volts_limit), path)?;
+        outputs.write(path, &figure::bytes(&drawing(&title, &rows, named.rig.volts_limit), path)?);
     }
     if args.common.json {
         let document =
             Document { log: &log.name, preset: &named.name, gains: &gains, report, on_board, notes: &notes };
-        return print_json(&document);
+        print_json(&document)?;
+    } else {
+        print(&summary(&title, &report, on_board.as_deref(), &notes))?;
     }
-    print(&summary(&title, &report, on_board.as_deref(), &notes))
+    outputs.done()
 }
 
 /// The same on the board at `port`, whose answers must be the same.

@@ -2,7 +2,9 @@
 
 use super::{print, print_json};
 use crate::error::Outcome;
-use crate::report::{self, Report, Size};
+use crate::files::output::{self, Outputs};
+use crate::report::{Report, Size};
+use crate::threads;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -26,15 +28,18 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let begun = Instant::now();
-    report::prepare(&args.out)?;
+    output::check_folder("--out", &args.out)?;
+    threads::begin(None);
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
     let size = if args.quick { Size::QUICK } else { Size::FULL };
     let report = Report::compute(size, args.seed, &|doing| bar.set_message(doing.to_owned()))?;
-    report.write(&args.out)?;
+    let mut outputs = Outputs::new();
+    report.write(&args.out, &mut outputs)?;
     bar.finish_and_clear();
     if args.json {
-        return print_json(&report.document());
+        print_json(&report.document())?;
+        return outputs.done();
     }
     let [reproduced, ambiguous, not, undecided, given] = report.tally();
     print(&format!(
@@ -42,5 +47,6 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
          {undecided} undecided, {given} taken as given; {:.1} s\nreport: {}\n",
         begun.elapsed().as_secs_f64(),
         args.out.join("index.html").display()
-    ))
+    ))?;
+    outputs.done()
 }

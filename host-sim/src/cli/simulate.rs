@@ -1,13 +1,13 @@
 //! `simulate`: fly one scenario.
 
 use super::choices;
-use super::common::{Common, no_effect, pair};
+use super::common::{Common, drawn, no_effect, pair};
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::export::{self, Table};
 use crate::files::figure;
-use crate::files::output;
+use crate::files::output::Outputs;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -104,15 +104,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let gains = files::gains("--gains", &args.gains)?;
     gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
     let [pitch, yaw] = pair("--initial", &args.initial)?.map(f64::to_radians);
-    if let Some(path) = &args.plot {
-        figure::check("--plot", path)?;
-    }
-    if let Some(path) = &args.csv {
-        output::check("--csv", path)?;
-    }
-    if let Some(path) = &args.export {
-        export::check("--export", path, true)?;
-    }
+    let mut outputs = outputs(args)?;
 
     let settings = gains.settings(&named.rig);
     let plan = Plan {
@@ -126,14 +118,15 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let flown = flight::fly(&plan, args.scalar.into())?;
 
     if let Some(path) = &args.csv {
-        output::write(path, Table::of_flight(&flown.rows).to_csv().as_bytes())?;
+        outputs.write(path, Table::of_flight(&flown.rows).to_csv().as_bytes());
     }
     if let Some(path) = &args.export {
-        Table::of_flight(&flown.rows).write(path)?;
+        outputs.write(path, &Table::of_flight(&flown.rows).bytes(path)?);
     }
     let title = format!("{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
     if let Some(path) = &args.plot {
-        figure::write(&flight_figure(&title, &flown, settings.volts_limit), path)?;
+        let figure = flight_figure(&title, &flown, settings.volts_limit);
+        outputs.write(path, &figure::bytes(&figure, path)?);
     }
     let cannot_hold = cannot_hold(&settings, &scenario);
     if args.common.json {
@@ -154,7 +147,24 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         let note = cannot_hold.map_or_else(String::new, |told| format!("warning: {told}\n"));
         print(&format!("{title}\n{}{}{note}", flown.report, board(flown.board)))?;
     }
+    outputs.done()?;
     flown.stopped().map_or(Ok(()), |why| Err(Failure::Flight(why)))
+}
+
+/// What is read and written.
+fn outputs(args: &Args) -> Outcome<Outputs> {
+    let mut outputs = args.common.outputs();
+    outputs.reads("--gains", &args.gains);
+    outputs.reads("--scenario", &args.scenario);
+    if let Some(path) = &args.csv {
+        outputs.writes("--csv", path)?;
+    }
+    if let Some(path) = &args.export {
+        export::check("--export", path, true)?;
+        outputs.writes("--export", path)?;
+    }
+    drawn(args.plot.as_deref(), &mut outputs)?;
+    Ok(outputs)
 }
 
 /// The board's state in a line; nothing where no board flew.

@@ -1,20 +1,19 @@
 //! Figures on disk: SVG or PNG by the file's extension.
 
-use super::output;
 use crate::error::{Failure, Outcome};
 use std::path::Path;
 use twinrotor_plot::{Figure, Layout};
 
-/// Refuses, before any work is done, a figure's path that could not be written.
+/// Refuses, before any work is done, a figure's path whose ending says nothing.
 ///
 /// # Errors
 ///
-/// If it could not be.
+/// If its ending names no format, or one that was left out of the build.
 pub fn check(flag: &str, path: &Path) -> Outcome<()> {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some("svg") => output::check(flag, path),
+    match super::ending(path).as_deref() {
+        Some("svg") => Ok(()),
         #[cfg(feature = "formats")]
-        Some("png") => output::check(flag, path),
+        Some("png") => Ok(()),
         #[cfg(not(feature = "formats"))]
         Some("png") => Err(super::not_built(flag, path)),
         _ => Err(Failure::Input(format!(
@@ -24,15 +23,17 @@ pub fn check(flag: &str, path: &Path) -> Outcome<()> {
     }
 }
 
-/// Writes a figure, as SVG or PNG by the extension.
+/// A figure as SVG or PNG, by the ending of the file's name.
 ///
 /// # Errors
 ///
-/// If it cannot be drawn or written.
-pub fn write(figure: &Figure, path: &Path) -> Outcome<()> {
+/// If it cannot be drawn.
+pub fn bytes(figure: &Figure, path: &Path) -> Outcome<Vec<u8>> {
     #[cfg(feature = "formats")]
-    if path.extension().is_some_and(|e| e == "png") {
-        return output::write(path, &figure.to_png()?);
+    if super::ending(path).as_deref() == Some("png") {
+        return Ok(figure.to_png()?);
     }
-    output::write(path, figure.to_svg(Layout::Wide)?.as_bytes())
+    #[cfg(not(feature = "formats"))]
+    let _ = path;
+    Ok(figure.to_svg(Layout::Wide)?.into_bytes())
 }

@@ -4,9 +4,11 @@ pub mod checkpoint;
 pub mod export;
 pub mod figure;
 pub mod output;
+mod target;
 
 use crate::error::{Failure, Outcome};
-use std::fs::{self, File};
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 use twinrotor::plant::presets::Rig;
 use twinrotor_identify::log::{Columns, Log};
@@ -14,6 +16,11 @@ use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::{self, NamedRig};
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_sim::{Error, Outcome as Text};
+
+/// What a file's name ends in, in small letters.
+pub fn ending(path: &Path) -> Option<String> {
+    path.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase)
+}
 
 /// What says that this program was built without the format of a file, and how to build it with.
 #[cfg(not(feature = "formats"))]
@@ -25,13 +32,26 @@ fn not_built(flag: &str, path: &Path) -> Failure {
     ))
 }
 
+/// A file to read. A device may never end.
+fn open(path: &Path) -> io::Result<File> {
+    let file = File::open(path)?;
+    #[cfg(unix)]
+    if std::os::unix::fs::FileTypeExt::is_char_device(&file.metadata()?.file_type()) {
+        return Err(io::Error::other("it is a device"));
+    }
+    Ok(file)
+}
+
 /// The text of a file that the user named.
 ///
 /// # Errors
 ///
 /// If it cannot be read.
 pub fn text(path: &str) -> Text<String> {
-    fs::read_to_string(path).map_err(|e| Error::Unusable(format!("cannot be read: {e}")).within(path))
+    let mut text = String::new();
+    let read = open(Path::new(path)).and_then(|mut file| file.read_to_string(&mut text));
+    read.map_err(|e| Error::Unusable(format!("cannot be read: {e}")).within(path))?;
+    Ok(text)
 }
 
 /// A preset, or a rig from a TOML file.
@@ -73,6 +93,6 @@ pub fn gains(flag: &str, name: &str) -> Outcome<GainsFile> {
 ///
 /// If it cannot be read, or nothing can be learnt from it.
 pub fn log(path: &Path, columns: &Columns, rig: &Rig) -> Outcome<Log> {
-    let file = File::open(path).map_err(|e| Failure::reading(path, &e))?;
+    let file = open(path).map_err(|e| Failure::reading(path, &e))?;
     Ok(Log::read(&path.display().to_string(), file, columns, rig)?)
 }

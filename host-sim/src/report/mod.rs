@@ -8,8 +8,8 @@ mod responses;
 mod search;
 mod tables;
 
-use crate::error::{Failure, Outcome};
-use crate::files::output;
+use crate::error::Outcome;
+use crate::files::output::Outputs;
 pub use grid::Grid;
 use serde::Serialize;
 use std::fmt::Write;
@@ -212,18 +212,18 @@ impl Report {
     ///
     /// # Errors
     ///
-    /// If a file cannot be written.
-    pub fn write(&self, folder: &Path) -> Outcome<()> {
-        output::write(&folder.join("index.html"), self.to_html()?.as_bytes())?;
+    /// If a figure cannot be drawn; `outputs` tells what cannot be written.
+    pub fn write(&self, folder: &Path, outputs: &mut Outputs) -> Outcome<()> {
+        outputs.write(&folder.join("index.html"), self.to_html()?.as_bytes());
         let json = serde_json::to_string_pretty(&self.document()).expect("plain data");
-        output::write(&folder.join("report.json"), format!("{json}\n").as_bytes())?;
-        output::write(&folder.join("statements.csv"), self.to_csv().as_bytes())?;
-        for (name, grid) in self.sections.iter().filter_map(|s| s.measured.as_ref()).map(|g| (&g.name, g)) {
-            output::write(&folder.join(format!("{name}.csv")), grid.to_csv().as_bytes())?;
+        outputs.write(&folder.join("report.json"), format!("{json}\n").as_bytes());
+        outputs.write(&folder.join("statements.csv"), self.to_csv().as_bytes());
+        for grid in self.sections.iter().filter_map(|s| s.measured.as_ref()) {
+            outputs.write(&folder.join(format!("{}.csv", grid.name)), grid.to_csv().as_bytes());
         }
         for picture in self.sections.iter().flat_map(|s| &s.pictures) {
             let path = folder.join(format!("{}.csv", picture.name));
-            output::write(&path, picture.figure.to_csv().as_bytes())?;
+            outputs.write(&path, picture.figure.to_csv().as_bytes());
         }
         Ok(())
     }
@@ -280,20 +280,4 @@ struct SectionDocument {
     entries: Vec<Entry>,
     measured: Option<Grid>,
     figures: Vec<String>,
-}
-
-/// Makes the folder if it is not there.
-///
-/// # Errors
-///
-/// If the folder cannot be made.
-pub fn prepare(folder: &Path) -> Outcome<()> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(Failure::Input(format!(
-            "--out is '{}', which is a file; a folder is needed",
-            folder.display()
-        )));
-    }
-    std::fs::create_dir_all(folder)
-        .map_err(|e| Failure::Input(format!("--out is '{}', which cannot be made: {e}", folder.display())))
 }

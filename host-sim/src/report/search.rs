@@ -1,7 +1,7 @@
 //! The paper's problem searched with every method: Table 1, Table 2 and Fig. 4b.
 
 use super::{Entry, Grid, Picture, Section, Size, Verdict, entry};
-use crate::error::{Failure, Outcome};
+use crate::error::Outcome;
 use crate::figures;
 use rayon::prelude::*;
 use twinrotor::gains;
@@ -45,15 +45,16 @@ const TABLE_2: Setup =
 pub(super) fn searches(size: Size, seed: u64) -> Outcome<Searches> {
     let bounds = bounds()?;
     let ise = objective(Criterion::Ise)?;
+    let seeds: Vec<u64> = (0..size.seeds).map(|k| seed.wrapping_add(k)).collect();
     let peer = |(name, algorithm): &(&str, Algorithm)| {
         let setup = Setup { algorithm: *algorithm, population: None, evaluations: size.evaluations };
-        Peer::search(name, &setup, &bounds, seed..seed + size.seeds, &ise, &|_| true)
+        Peer::search(name, &setup, &bounds, &seeds, &ise, &|_| {})
     };
-    let peers = ALGORITHMS.par_iter().map(peer).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)?;
+    let peers: Vec<Peer> = ALGORITHMS.par_iter().map(peer).collect();
     let tune = |criterion| -> Outcome<GainsFile> {
         let problem = objective(criterion)?;
-        let peer = Peer::search("fpa-paper", &TABLE_2, &bounds, seed..seed + 1, &problem, &|_| true);
-        Ok(Objective::controller(&peer.ok_or(Failure::Interrupted)?.best().position))
+        let peer = Peer::search("fpa-paper", &TABLE_2, &bounds, &[seed], &problem, &|_| {});
+        Ok(Objective::controller(&peer.best().position))
     };
     let [a, b, c] = [Criterion::Ise, Criterion::Iae, Criterion::Itae].map(tune);
     let best_known = best_known(&peers);

@@ -12,6 +12,7 @@ use twinrotor_sim::error::known_name;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_tune::checkpoint::Identity;
 use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::optimise::{Algorithm, Setup, Variant};
 use twinrotor_tune::robust::{self, Measure, Plan, Ratio, Robust, Score, Trial, quantile, total};
@@ -127,7 +128,7 @@ fn tuned(design: &str, size: Size, trial: &Trial, seed: u64) -> Outcome<Controll
         evaluations: size.tuning,
     };
     let plan = Plan { setup, rounds: 1, range: 4.0, seed };
-    let mut search = Search::new(String::new(), plan.start(tunable.names().len()));
+    let mut search = Search::new(Identity::new(), plan.start(tunable.names().len()));
     search.to_the_end(&Robust::new(trial, &tunable));
     let best = search.best().expect("the start is evaluated first");
     Ok(tunable.controller(&best.position))
@@ -177,7 +178,7 @@ fn best(rivals: &[Rival], measure: Measure) -> Vec<Vec<Score>> {
 pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
     let named = NamedRig { name: "paper".to_owned(), rig: PAPER };
     let allowance = robust::allowance(&named.name, &named.rig);
-    let unseen = Trial::new(&PAPER, size.plants, seed.wrapping_add(1_000_000), allowance);
+    let unseen = Trial::new(&PAPER, size.plants, seed.wrapping_add(robust::UNSEEN), allowance);
     let fixed = |name, words, controller: &ControllerSettings<f64>| Rival {
         name,
         words,

@@ -1,8 +1,11 @@
 //! The program as people use it: flags, files, exit status.
 
+mod files;
 mod lies;
 mod logs;
+mod panics;
 mod searches;
+mod stopping;
 
 use serde_json::Value;
 use std::fs;
@@ -61,7 +64,11 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["tune", "--horizon", "0"], "--horizon is 0"),
         (&["tune", "--time-limit", "-3"], "--time-limit is -3"),
         (&["tune", "--resume"], "--checkpoint"),
-        (&["tune", "--checkpoint", "c.bin", "--resume"], "c.bin: cannot be read"),
+        (
+            &["tune", "--iterations", "18446744073709551615"],
+            "--iterations is 18446744073709551615; allowed: 0 to",
+        ),
+        (&["tune", "--population", "100", "--iterations", "10000000"], "allowed: 0 to 9999999"),
         (&["tune", "--algorithm", "cma"], "did you mean 'cmaes'"),
         (&["simulate", "--export", "flight.xls"], ".parquet, .mcap, .npz or .csv"),
         (&["bench-tuners", "--algorithms", "fpa-paper,psoo"], "did you mean 'pso'"),
@@ -78,6 +85,8 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         ),
         (&["tune", "--objective", "robust", "--parameters", "roll"], "--parameters is 'roll'; allowed:"),
         (&["pareto", "--population", "2"], "--population is 2; allowed: 4 to"),
+        (&["simulate", "--csv", "-"], "standard output is /dev/stdout"),
+        (&["simulate", "--csv", "new/"], "which is a folder"),
         (&["reproduce", "--out", "nan.toml"], "which is a file; a folder is needed"),
         (&["identify"], "<LOG.csv>"),
         (&["identify", "nowhere.csv"], "nowhere.csv: cannot be read"),

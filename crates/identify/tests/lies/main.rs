@@ -26,7 +26,7 @@ use twinrotor_identify::{
 };
 use twinrotor_sim::Outcome;
 use twinrotor_tune::optimise::Draws;
-use twinrotor_tune::parallel;
+use twinrotor_tune::parallel::{self, NEVER};
 
 /// How many are tried when nothing else is said.
 const CASES: usize = 200;
@@ -98,7 +98,8 @@ fn outside(runs: &[Run], truth: &PlantParameters<f64>, [times, part]: [f64; 2]) 
     let windows = training_windows(runs, 3.0).unwrap();
     let problem = Problem::new(runs, windows, &plant, &free, THRESHOLD);
     let values = free.iter().map(|k| to_array(&plant)[*k]).collect();
-    let (found, _) = descent::descend(&problem, &Guess { values, offsets: vec![0.0; runs.len()] });
+    let (found, _) =
+        descent::descend(&problem, &Guess { values, offsets: vec![0.0; runs.len()] }, NEVER).unwrap();
     let truth = to_array(truth);
     let (fitted, _) = parameters(&problem, &found);
     let fitted = free.iter().zip(fitted).filter(|(_, p)| p.identifiable);

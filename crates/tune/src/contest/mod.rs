@@ -47,16 +47,16 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Searches `problem` once for each of `seeds`, side by side. `seen` is shown how many evaluations were
-    /// added, and stops everything by returning false.
+    /// Searches `problem` once for each of `seeds`, side by side; there must be one. `seen` is shown how many
+    /// evaluations were added.
     pub fn search(
         name: &str,
         setup: &Setup,
         bounds: &Bounds,
-        seeds: std::ops::Range<u64>,
+        seeds: &[u64],
         problem: &dyn Problem,
-        seen: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Option<Self> {
+        seen: &(dyn Fn(usize) + Sync),
+    ) -> Self {
         let one = |&seed: &u64| {
             let mut search = setup.start(bounds.clone(), Draws::new(seed));
             let mut history: Vec<(usize, f64)> = Vec::new();
@@ -75,16 +75,14 @@ impl Peer {
                         history.push((number, *cost));
                     }
                 }
-                if !seen(used) {
-                    return None;
-                }
+                seen(used);
             }
-            let best = search.best()?;
-            Some(Run { seed, cost: best.cost, position: best.position.clone(), history })
+            // Where every candidate diverged there is no best, and it is nowhere.
+            let nowhere = || (f64::INFINITY, vec![f64::NAN; bounds.dimension()]);
+            let (cost, position) = search.best().map_or_else(nowhere, |b| (b.cost, b.position.clone()));
+            Run { seed, cost, position, history }
         };
-        let seeds: Vec<u64> = seeds.collect();
-        let runs = parallel::map(&seeds, one).into_iter().collect::<Option<Vec<Run>>>()?;
-        Some(Self { name: name.to_owned(), runs })
+        Self { name: name.to_owned(), runs: parallel::map(seeds, one) }
     }
 
     /// The best cost of each run.

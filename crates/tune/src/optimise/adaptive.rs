@@ -12,10 +12,10 @@
 //! | population | 50 | falls over the budget from 25 to 5 (L-SHADE, CEC 2014) |
 //! | beyond a bound | on the bound | halfway from the flower to the bound |
 
-use super::Candidate;
 use super::evolution::two_others;
 use super::generations::{Method, Turn, ranking};
 use super::levy_step;
+use super::{Candidate, are_points};
 use rand::{Rng, RngExt};
 use rand_distr::{Cauchy, Distribution, Normal};
 use serde::{Deserialize, Serialize};
@@ -64,6 +64,20 @@ impl AdaptiveFlowers {
             next: 0,
             global: 0.1,
         }
+    }
+
+    /// Could `begun` have come to this?
+    pub(super) fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        let count = self.flowers.len();
+        let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+        self.size == begun.size
+            && (count == 0 || (self.size.min(LAST)..=self.size).contains(&count))
+            && are_points(&self.flowers, count, dimension)
+            && self.costs.len() == count
+            && self.memory.len() == MEMORY
+            && self.memory.iter().all(|pair| finite(pair))
+            && self.next < MEMORY
+            && (0.0..=1.0).contains(&self.global)
     }
 
     fn manner(&self, rng: &mut impl Rng) -> Manner {

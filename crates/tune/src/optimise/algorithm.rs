@@ -64,6 +64,8 @@ pub struct Setup {
 
 /// Fewest candidates that every method can work with.
 const LEAST: usize = 4;
+/// Most evaluations of one search.
+pub const MOST_EVALUATIONS: usize = 1_000_000_000;
 
 impl Setup {
     /// Can it be run?
@@ -75,8 +77,12 @@ impl Setup {
         if let Some(size) = self.population.filter(|n| !(LEAST..=100_000).contains(n)) {
             return Err(Error::invalid("population", size, format_args!("{LEAST} to 100000")));
         }
-        if !(1..=1_000_000_000).contains(&self.evaluations) {
-            return Err(Error::invalid("evaluations", self.evaluations, "1 to 1000000000"));
+        if !(1..=MOST_EVALUATIONS).contains(&self.evaluations) {
+            return Err(Error::invalid(
+                "evaluations",
+                self.evaluations,
+                format_args!("1 to {MOST_EVALUATIONS}"),
+            ));
         }
         Ok(())
     }
@@ -125,6 +131,25 @@ impl Searcher {
             Self::Flowers(s) => s,
             Self::Generations(s) => s,
             Self::Rounds(s) => s.as_ref(),
+        }
+    }
+
+    /// Could `begun`, which has only begun, have come to this? What a file holds need not be so.
+    pub fn continues(&self, begun: &Self) -> bool {
+        match (self, begun) {
+            (Self::Flowers(then), Self::Flowers(begun)) => then.continues(begun),
+            (Self::Generations(then), Self::Generations(begun)) => then.continues(begun),
+            (Self::Rounds(then), Self::Rounds(begun)) => then.continues(begun),
+            _ => false,
+        }
+    }
+
+    /// The box that is searched.
+    pub(super) fn bounds(&self) -> Option<&Bounds> {
+        match self {
+            Self::Flowers(search) => Some(search.bounds()),
+            Self::Generations(search) => Some(search.bounds()),
+            Self::Rounds(_) => None,
         }
     }
 

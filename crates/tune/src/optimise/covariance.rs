@@ -16,6 +16,8 @@ const STEP: f64 = 0.3;
 const NARROW: f64 = 1e-10;
 /// A covariance whose axes differ by more than this (squared) is spent.
 const ELONGATED: f64 = 1e14;
+/// More candidates than a budget lets a generation grow to.
+const MOST_CANDIDATES: usize = 1 << 31;
 
 /// The distribution and its paths.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -89,6 +91,19 @@ impl CovarianceAdaptation {
         Self { population, ..Self::default() }
     }
 
+    /// Could `begun` have come to this?
+    pub(super) fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        let size = if self.mean.is_empty() { 0 } else { dimension };
+        let has =
+            |numbers: &[f64], count: usize| numbers.len() == count && numbers.iter().all(|x| x.is_finite());
+        (self.mean.is_empty() == (*self == *begun))
+            && (begun.population..=MOST_CANDIDATES).contains(&self.population)
+            && [&self.mean, &self.covariance_path, &self.step_path].iter().all(|path| has(path, size))
+            && [&self.covariance, &self.root, &self.inverse_root].iter().all(|all| has(all, size * size))
+            && self.step.is_finite()
+            && self.generation < u32::MAX
+    }
+
     /// A wide distribution around a random point.
     fn restart(&mut self, turn: &Turn<'_>) {
         let n = turn.dimension();
@@ -121,6 +136,11 @@ impl CovarianceAdaptation {
 
     fn decompose(&mut self, covariance: DMatrix<f64>) {
         let n = covariance.nrows();
+        // The search for its axes would not end.
+        if covariance.iter().any(|x| !x.is_finite()) {
+            self.spent = true;
+            return;
+        }
         let eigen = SymmetricEigen::new(covariance.clone());
         let (most, least) = (eigen.eigenvalues.max(), eigen.eigenvalues.min());
         let converged = self.step * most.max(0.0).sqrt() < NARROW;
@@ -153,7 +173,7 @@ impl Method for CovarianceAdaptation {
             let normal = DVector::from_fn(n, |_, _| StandardNormal.sample(&mut rng));
             (&mean + self.step * (&root * normal)).as_slice().to_vec()
         };
-        self.asked = (0..self.population).map(sample).collect();
+        self.asked = (0..self.population.min(turn.budget - turn.done)).map(sample).collect();
         self.asked.iter().map(|x| free(x.iter().copied().map(mirrored).collect())).collect()
     }
 

@@ -1,8 +1,8 @@
 //! Differential evolution (R. Storn, K. Price, J. Global Optim. 11, 1997) with SciPy's defaults: best/1/bin,
 //! CR = .7, F in .5..1, drawn anew for each child.
 
-use super::Candidate;
 use super::generations::{Method, Turn};
+use super::{Candidate, are_points};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +22,12 @@ pub(super) struct DifferentialEvolution {
 impl DifferentialEvolution {
     pub(super) fn new(size: usize) -> Self {
         Self { size, people: Vec::new(), costs: Vec::new() }
+    }
+
+    /// Could `begun` have come to this?
+    pub(super) fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        let count = if self.people.is_empty() { 0 } else { begun.size };
+        self.size == begun.size && are_points(&self.people, count, dimension) && self.costs.len() == count
     }
 }
 

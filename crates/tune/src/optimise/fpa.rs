@@ -21,7 +21,7 @@
 //! thrown away and planned anew from the first that had looked at what changed. The outcome is exactly the
 //! sequential one.
 
-use super::{Best, Bounds, Candidate, Draws, Optimiser, levy_step};
+use super::{Best, Bounds, Candidate, Draws, Optimiser, are_points, levy_step};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
@@ -133,6 +133,23 @@ impl FlowerPollination {
             planned: Vec::new(),
             width: WIDTH[0],
         }
+    }
+
+    /// Could `begun`, which has only begun, have come to this?
+    pub fn continues(&self, begun: &Self) -> bool {
+        let (size, dimension) = (begun.population(), begun.bounds.dimension());
+        let same =
+            (&self.settings, &self.bounds, self.draws) == (&begun.settings, &begun.bounds, begun.draws);
+        same && self.done <= begun.budget()
+            && are_points(&self.flowers, size, dimension)
+            && self.costs.len() == size
+            && self.best.as_ref().is_none_or(|best| self.bounds.has(&best.position))
+            && self.planned.is_empty()
+            && (WIDTH[0]..=WIDTH[1]).contains(&self.width)
+    }
+
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     fn population(&self) -> usize {

@@ -86,6 +86,21 @@ pub(super) enum AnyMethod {
 }
 
 impl AnyMethod {
+    /// Could `begun`, which has only begun, have come to this in so many dimensions?
+    fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        match (self, begun) {
+            (Self::Adaptive(then), Self::Adaptive(begun)) => then.continues(begun, dimension),
+            (Self::Genetic(then), Self::Genetic(begun)) => then.continues(begun, dimension),
+            (Self::Swarm(then), Self::Swarm(begun)) => then.continues(begun, dimension),
+            (Self::Wolves(then), Self::Wolves(begun)) => then.continues(begun, dimension),
+            (Self::Evolution(then), Self::Evolution(begun)) => then.continues(begun, dimension),
+            (Self::Covariance(then), Self::Covariance(begun)) => then.continues(begun, dimension),
+            (Self::Simplex(then), Self::Simplex(_)) => then.is_sound(dimension),
+            (Self::Samples(then), Self::Samples(begun)) => then == begun,
+            _ => false,
+        }
+    }
+
     fn as_method(&mut self) -> &mut dyn Method {
         match self {
             Self::Adaptive(m) => m,
@@ -116,6 +131,21 @@ pub struct Generations {
 impl Generations {
     pub(super) fn new(method: AnyMethod, bounds: Bounds, draws: Draws, budget: usize) -> Self {
         Self { method, bounds, draws, budget, done: 0, best: None, asked: Vec::new() }
+    }
+
+    /// Could `begun`, which has only begun, have come to this?
+    pub(super) fn continues(&self, begun: &Self) -> bool {
+        let same = (&self.bounds, self.draws, self.budget) == (&begun.bounds, begun.draws, begun.budget);
+        let untouched = self.method == begun.method && self.best.is_none();
+        same && self.done <= self.budget
+            && (self.done > 0 || untouched)
+            && self.best.as_ref().is_none_or(|best| self.bounds.has(&best.position))
+            && self.asked.is_empty()
+            && self.method.continues(&begun.method, self.bounds.dimension())
+    }
+
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     fn position(&self, unit: &[f64]) -> Vec<f64> {

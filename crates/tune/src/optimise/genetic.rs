@@ -1,8 +1,8 @@
 //! A genetic algorithm on real numbers: binary tournaments, simulated binary crossover, polynomial mutation,
 //! elitist selection.
 
-use super::Candidate;
 use super::generations::{Method, Turn, free, ranking};
+use super::{Candidate, are_points};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,12 @@ pub(super) struct Genetic {
 impl Genetic {
     pub(super) fn new(size: usize) -> Self {
         Self { size, people: Vec::new(), costs: Vec::new() }
+    }
+
+    /// Could `begun` have come to this?
+    pub(super) fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        let count = if self.people.is_empty() { 0 } else { begun.size };
+        self.size == begun.size && are_points(&self.people, count, dimension) && self.costs.len() == count
     }
 
     /// The better of two drawn at random.

@@ -23,7 +23,7 @@ mod swarm;
 mod wolves;
 
 use adaptive::AdaptiveFlowers;
-pub use algorithm::{ALGORITHMS, Algorithm, Searcher, Setup};
+pub use algorithm::{ALGORITHMS, Algorithm, MOST_EVALUATIONS, Searcher, Setup};
 use covariance::CovarianceAdaptation;
 pub use draws::Draws;
 use evolution::DifferentialEvolution;
@@ -100,12 +100,23 @@ impl Bounds {
         self.0.iter().enumerate().map(|(k, [low, high])| low + (high - low) * part(k)).collect()
     }
 
+    /// Is it a point of the box?
+    fn has(&self, position: &[f64]) -> bool {
+        position.len() == self.dimension()
+            && position.iter().zip(&self.0).all(|(x, [low, high])| (*low..=*high).contains(x))
+    }
+
     /// Moves each coordinate that is outside to the bound it passed.
     pub fn clip(&self, position: &mut [f64]) {
         for (x, [low, high]) in position.iter_mut().zip(&self.0) {
             *x = x.clamp(*low, *high);
         }
     }
+}
+
+/// Are these `count` points of `dimension` finite coordinates each? Asked of what was read from a file.
+fn are_points(points: &[Vec<f64>], count: usize, dimension: usize) -> bool {
+    points.len() == count && points.iter().all(|p| p.len() == dimension && p.iter().all(|x| x.is_finite()))
 }
 
 /// A method of search.

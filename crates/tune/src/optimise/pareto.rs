@@ -21,35 +21,37 @@ pub fn dominates(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// Searches `bounds` for `generations` after the first with `size` points each. `costs` gives the objectives
-/// of each position, none NaN; `seen` is shown the evaluations so far and stops by returning false. The front
-/// that was found comes sorted by its first objective.
+/// of each position, none NaN, or nothing to stop: then the generation that it is of has not been. `seen` is
+/// shown the evaluations so far. The front that was found comes sorted by its first objective, with the
+/// evaluations that it took.
 pub fn pareto_front(
     bounds: &Bounds,
     draws: Draws,
     [size, generations]: [usize; 2],
-    costs: impl Fn(&[Vec<f64>]) -> Vec<Vec<f64>>,
-    mut seen: impl FnMut(usize) -> bool,
-) -> Vec<Compromise> {
-    let evaluated = |units: Vec<Vec<f64>>| -> Vec<Compromise> {
-        let told = costs(&units.iter().map(|u| bounds.at(|k| u[k])).collect::<Vec<_>>());
-        units.into_iter().zip(told).map(|(position, costs)| Compromise { position, costs }).collect()
+    costs: impl Fn(&[Vec<f64>]) -> Option<Vec<Vec<f64>>>,
+    mut seen: impl FnMut(usize),
+) -> (Vec<Compromise>, usize) {
+    let evaluated = |units: Vec<Vec<f64>>| -> Option<Vec<Compromise>> {
+        let told = costs(&units.iter().map(|u| bounds.at(|k| u[k])).collect::<Vec<_>>())?;
+        Some(units.into_iter().zip(told).map(|(position, costs)| Compromise { position, costs }).collect())
     };
     let uniform = |k| {
         let mut rng = draws.of_move(k);
         (0..bounds.dimension()).map(|_| rng.random()).collect()
     };
-    let mut people = ranked(evaluated((0..size).map(uniform).collect()), size);
+    let Some(first) = evaluated((0..size).map(uniform).collect()) else { return (Vec::new(), 0) };
+    let mut people = ranked(first, size);
+    let mut evaluations = size;
     for generation in 1..=generations {
-        if !seen(generation * size) {
-            break;
-        }
+        seen(evaluations);
         let child = |k| {
             let mut rng = draws.of_move(generation * size + k);
             let mut child = crossover(parent(&people, &mut rng), parent(&people, &mut rng), &mut rng);
             mutate(&mut child, &mut rng);
             child
         };
-        let children = evaluated((0..size).map(child).collect());
+        let Some(children) = evaluated((0..size).map(child).collect()) else { break };
+        evaluations += size;
         people = ranked(people.into_iter().map(|(_, p)| p).chain(children).collect(), size);
     }
     let mut front: Vec<Compromise> =
@@ -59,7 +61,7 @@ pub fn pareto_front(
     }
     front.sort_by(|a, b| a.costs[0].total_cmp(&b.costs[0]));
     front.dedup_by(|a, b| a.costs == b.costs);
-    front
+    (front, evaluations)
 }
 
 /// The earlier of two: people are sorted by rank and room.
@@ -136,8 +138,10 @@ mod tests {
     #[test]
     fn the_front_of_schaffers_problem_is_found_and_filled() {
         let bounds = Bounds::new(vec![[-20.0, 30.0]]).unwrap();
-        let costs = |all: &[Vec<f64>]| all.iter().map(|x| vec![x[0] * x[0], (x[0] - 2.0).powi(2)]).collect();
-        let front = pareto_front(&bounds, Draws::new(1), [40, 60], costs, |_| true);
+        let costs =
+            |all: &[Vec<f64>]| Some(all.iter().map(|x| vec![x[0] * x[0], (x[0] - 2.0).powi(2)]).collect());
+        let (front, evaluations) = pareto_front(&bounds, Draws::new(1), [40, 60], costs, |_| {});
+        assert_eq!(evaluations, 40 * 61);
         assert!(front.len() > 30, "{}", front.len());
         for p in &front {
             let sum = p.costs[0].sqrt() + p.costs[1].sqrt();
@@ -153,13 +157,41 @@ mod tests {
         assert!((knee.position[0] - 1.0).abs() < 0.2, "{knee:?}");
     }
 
+    /// A generation that was broken off counts for nothing, and what was there before it is kept.
+    #[test]
+    fn a_search_that_is_stopped_says_how_far_it_came() {
+        let bounds = Bounds::new(vec![[0.0, 1.0]]).unwrap();
+        let turns = std::cell::Cell::new(0);
+        let search = |stop_at: usize| {
+            turns.set(0);
+            let costs = |all: &[Vec<f64>]| {
+                turns.set(turns.get() + 1);
+                let costs = all.iter().map(|x| vec![x[0], 1.0 - x[0]]).collect();
+                (turns.get() < stop_at).then_some(costs)
+            };
+            pareto_front(&bounds, Draws::new(3), [10, 5], costs, |_| {})
+        };
+        assert_eq!(search(1), (Vec::new(), 0));
+        let (front, evaluations) = search(4);
+        assert_eq!(evaluations, 30);
+        let whole = pareto_front(
+            &bounds,
+            Draws::new(3),
+            [10, 2],
+            |all| Some(all.iter().map(|x| vec![x[0], 1.0 - x[0]]).collect()),
+            |_| {},
+        );
+        assert_eq!((front, evaluations), whole);
+    }
+
     #[test]
     fn nothing_on_a_front_dominates_anything_else_on_it() {
         let bounds = Bounds::new(vec![[0.0, 1.0]; 3]).unwrap();
         let costs = |all: &[Vec<f64>]| {
-            all.iter().map(|x| vec![x[0], x[1], (1.0 - x[0]).powi(2) + (1.0 - x[1]).powi(2) + x[2]]).collect()
+            let of = |x: &Vec<f64>| vec![x[0], x[1], (1.0 - x[0]).powi(2) + (1.0 - x[1]).powi(2) + x[2]];
+            Some(all.iter().map(of).collect())
         };
-        let front = pareto_front(&bounds, Draws::new(2), [30, 20], costs, |_| true);
+        let (front, _) = pareto_front(&bounds, Draws::new(2), [30, 20], costs, |_| {});
         assert!(front.len() > 10);
         for (i, p) in front.iter().enumerate() {
             assert!(front.iter().enumerate().all(|(j, q)| i == j || !dominates(&q.costs, &p.costs)));

@@ -32,10 +32,45 @@ impl Rounds {
         Self { setup, rounds, seed, dimension, reach, round: 0, search: None, before: 0, best: None }
     }
 
+    /// Could `begun`, which has only begun, have come to this?
+    pub(super) fn continues(&self, begun: &Self) -> bool {
+        let same = (self.setup, self.rounds, self.seed, self.dimension)
+            == (begun.setup, begun.rounds, begun.seed, begun.dimension);
+        let near = |x: &f64| x.abs() <= begun.reach / (1.0 - SHRINK);
+        let best = self.best.as_ref().map(|best| &best.position);
+        let within = best.is_none_or(|p| p.len() == self.dimension && p.iter().all(near));
+        let untouched = *self == *begun;
+        same && within
+            && (best.is_some() || untouched)
+            && self.round <= self.rounds
+            && self.reach > 0.0
+            && self.reach <= begun.reach
+            && self.before <= self.most_before()
+            && self.search.as_ref().is_none_or(|search| self.has_begun(search))
+    }
+
+    /// What the rounds that have come to an end may have used, and the start.
+    fn most_before(&self) -> usize {
+        let ended = self.round.saturating_sub(u64::from(self.search.is_some()));
+        let ended = usize::try_from(ended).unwrap_or(usize::MAX);
+        ended.saturating_mul(self.setup.evaluations).saturating_add(1)
+    }
+
+    /// Is this a search of the round that has been begun last?
+    fn has_begun(&self, search: &Searcher) -> bool {
+        let Some(bounds) = search.bounds() else { return false };
+        let usable = bounds.dimension() == self.dimension && Bounds::new(bounds.as_slice().to_vec()).is_ok();
+        let round = self.round.wrapping_sub(1);
+        usable && search.continues(&self.setup.start(bounds.clone(), self.draws(round)))
+    }
+
+    fn draws(&self, round: u64) -> Draws {
+        Draws::new(self.seed.wrapping_mul(1000).wrapping_add(round))
+    }
+
     fn begin(&self, center: &[f64]) -> Searcher {
         let bounds = Bounds::new(center.iter().map(|c| [c - self.reach, c + self.reach]).collect());
-        let draws = Draws::new(self.seed.wrapping_mul(1000).wrapping_add(self.round));
-        self.setup.start(bounds.expect("a range around finite numbers"), draws)
+        self.setup.start(bounds.expect("a range around finite numbers"), self.draws(self.round))
     }
 }
 
@@ -89,6 +124,7 @@ impl Optimiser for Rounds {
     }
 
     fn budget(&self) -> usize {
-        usize::try_from(self.rounds).map_or(usize::MAX, |rounds| 1 + rounds * self.setup.evaluations)
+        usize::try_from(self.rounds)
+            .map_or(usize::MAX, |rounds| rounds.saturating_mul(self.setup.evaluations).saturating_add(1))
     }
 }

@@ -2,8 +2,8 @@
 //! dimension (F. Gao, L. Han, Comput. Optim. Appl. 51, 2012), restarted from a random point when its simplex
 //! has collapsed.
 
-use super::Candidate;
 use super::generations::{Method, Turn, free, ranking};
+use super::{Candidate, are_points};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +34,19 @@ pub(super) struct NelderMead {
 impl NelderMead {
     pub(super) fn new() -> Self {
         Self { stage: Stage::Build, corners: Vec::new(), reflected: (Vec::new(), f64::INFINITY) }
+    }
+
+    /// Could a search in so many dimensions have come to this?
+    pub(super) fn is_sound(&self, dimension: usize) -> bool {
+        let corners: Vec<Vec<f64>> = self.corners.iter().map(|(corner, _)| corner.clone()).collect();
+        let whole = are_points(&corners, dimension + 1, dimension);
+        match self.stage {
+            Stage::Build => true,
+            Stage::Reflect | Stage::Shrink => whole,
+            Stage::Expand | Stage::ContractOutside | Stage::ContractInside => {
+                whole && are_points(std::slice::from_ref(&self.reflected.0), 1, dimension)
+            }
+        }
     }
 
     fn build(turn: &Turn<'_>) -> Vec<Candidate> {

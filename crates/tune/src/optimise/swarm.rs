@@ -1,8 +1,8 @@
 //! Particle swarm optimisation (J. Kennedy, R. Eberhart, 1995) with the constriction coefficients of M. Clerc
 //! and J. Kennedy, IEEE Trans. Evol. Comput. 6(1), 2002, every particle informed by the best of all.
 
-use super::Candidate;
 use super::generations::{Method, Turn};
+use super::{Candidate, are_points};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,14 @@ pub(super) struct Swarm {
 impl Swarm {
     pub(super) fn new(size: usize) -> Self {
         Self { size, positions: Vec::new(), velocities: Vec::new(), memories: Vec::new() }
+    }
+
+    /// Could `begun` have come to this?
+    pub(super) fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        let count = if self.memories.is_empty() { 0 } else { begun.size };
+        let remembered: Vec<Vec<f64>> = self.memories.iter().map(|(position, _)| position.clone()).collect();
+        let lists = [&self.positions, &self.velocities, &remembered];
+        self.size == begun.size && lists.iter().all(|points| are_points(points, count, dimension))
     }
 }
 

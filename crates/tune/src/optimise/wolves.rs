@@ -3,8 +3,8 @@
 //! Its distance |C X - x|, with C uniform in 0..2, is taken from the origin of the coordinates: the method is
 //! drawn to zero. It is kept so, in the box's own coordinates; the tests move the optimum away.
 
-use super::Candidate;
 use super::generations::{Method, Turn, free, ranking};
+use super::{Candidate, are_points};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +20,15 @@ pub(super) struct Wolves {
 impl Wolves {
     pub(super) fn new(size: usize) -> Self {
         Self { size, positions: Vec::new(), leaders: Vec::new() }
+    }
+
+    /// Could `begun` have come to this?
+    pub(super) fn continues(&self, begun: &Self, dimension: usize) -> bool {
+        let count = if self.positions.is_empty() { 0 } else { begun.size };
+        let leaders: Vec<Vec<f64>> = self.leaders.iter().map(|(position, _)| position.clone()).collect();
+        self.size == begun.size
+            && are_points(&self.positions, count, dimension)
+            && are_points(&leaders, count.min(3), dimension)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::Trial;
 use super::cost::Score;
 use super::plants::Draw;
+use crate::parallel::{NEVER, Stop};
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::pipeline::Settings;
@@ -20,6 +21,8 @@ use twinrotor_sim::scenario::SAMPLE_TIME;
 const DIVERGED: f64 = core::f64::consts::TAU;
 /// \[ticks\] The second before the disturbance, in which holding is judged.
 const HOLD: u32 = 1000;
+/// \[ticks\] From one question whether to stop to the next: milliseconds.
+const ASK_EVERY: u32 = 4096;
 
 /// The sums of a flight in every lane.
 #[derive(Debug, Clone, Copy)]
@@ -46,13 +49,18 @@ struct Schedule {
 }
 
 /// The scores of up to [`LANES`](twinrotor_sim::lanes::LANES) plants.
-pub(super) fn scores(trial: &Trial, settings: &Settings<f32>, plants: &[Draw]) -> Vec<Score> {
-    in_lanes(Flights::new(trial, settings, plants))
+pub(super) fn scores(
+    trial: &Trial,
+    settings: &Settings<f32>,
+    plants: &[Draw],
+    stop: Stop<'_>,
+) -> Option<Vec<Score>> {
+    in_lanes(Flights { stop, ..Flights::new(trial, settings, plants) })
 }
 
 /// One controller on up to [`LANES`](twinrotor_sim::lanes::LANES) plants; the last one fills what lanes are
 /// left.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 struct Flights<'a> {
     rig: &'a Rig,
     settings: &'a Settings<f32>,
@@ -60,14 +68,15 @@ struct Flights<'a> {
     /// \[rad\]
     step: PerAxis<f64>,
     when: Schedule,
+    stop: Stop<'a>,
 }
 
 impl Kernel for Flights<'_> {
-    type Output = Vec<Score>;
+    type Output = Option<Vec<Score>>;
     #[inline(always)]
-    fn run<R: Real<Scalar = f32>>(self) -> Vec<Score> {
-        let sums = fly::<R>(&self);
-        (0..self.plants.len()).map(|k| score(&sums, k, self.step, self.when)).collect()
+    fn run<R: Real<Scalar = f32>>(self) -> Option<Vec<Score>> {
+        let sums = fly::<R>(&self)?;
+        Some((0..self.plants.len()).map(|k| score(&sums, k, self.step, self.when)).collect())
     }
 }
 
@@ -75,7 +84,7 @@ impl<'a> Flights<'a> {
     fn new(trial: &'a Trial, settings: &'a Settings<f32>, plants: &'a [Draw]) -> Self {
         let disturbance = ticks(trial.allowance, SAMPLE_TIME);
         let when = Schedule { disturbance, end: 2 * disturbance };
-        Self { rig: &trial.rig, settings, plants, step: trial.step, when }
+        Self { rig: &trial.rig, settings, plants, step: trial.step, when, stop: NEVER }
     }
 
     fn closed_loop<R: Real<Scalar = f32>>(&self) -> RigLoop<R> {
@@ -103,9 +112,9 @@ impl<'a> Flights<'a> {
     }
 }
 
-/// Flies to the end.
+/// Flies to the end, unless nobody waits for it.
 #[inline(always)]
-fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
+fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
     let Flights { when, rig: Rig { envelope, .. }, .. } = *flights;
     let mut closed_loop = flights.closed_loop::<R>();
     let disturbance = flights.disturbance::<R>();
@@ -129,6 +138,9 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
         volts: PerMotor::zero(),
     };
     for tick in 0..when.end {
+        if tick % ASK_EVERY == 0 && (flights.stop)() {
+            return None;
+        }
         let disturbed = tick >= when.disturbance;
         let push = if disturbed { disturbance } else { PerMotor::zero() };
         // Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators
@@ -164,7 +176,7 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Sums<R> {
             | beyond(state.rate.pitch, envelope.rate.pitch)
             | beyond(state.rate.yaw, envelope.rate.yaw);
     }
-    s
+    Some(s)
 }
 
 fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, step: PerAxis<f64>, when: Schedule) -> Score {

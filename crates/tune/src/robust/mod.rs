@@ -21,11 +21,11 @@ mod tuning;
 pub use comparison::{Row, Spread, signed_rank};
 pub use cost::{Score, Terms, quantile, total};
 pub use limits::Limit;
-pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, allowance, draw};
+pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, UNSEEN, allowance, draw};
 pub use ratio::{Measure, Ratio};
 pub use tuning::{Plan, Robust, Tuning};
 
-use crate::parallel;
+use crate::parallel::{self, NEVER, Stop};
 use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
@@ -62,42 +62,48 @@ impl Trial {
 
     /// The scores of a controller, in the order of the plants.
     pub fn scores(&self, controller: &ControllerSettings<f64>) -> Vec<Score> {
-        let settings = self.settings(controller);
-        parallel::by_group(&self.plants, LANES, |group| self.fly(&settings, group))
+        self.scores_until(controller, NEVER).expect("nothing stops it")
     }
 
-    /// As [`Trial::scores`], or `None` as soon as J is sure not to be below `bound`; and how many plants were
-    /// flown.
+    /// As [`Trial::scores`], or nothing if `stop` says so before all are known.
+    pub fn scores_until(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Score>> {
+        let settings = self.settings(controller);
+        parallel::by_group(&self.plants, LANES, |group| self.fly(&settings, group, stop))
+    }
+
+    /// As [`Trial::scores_until`], without scores as soon as J is sure not to be below `bound`; and how many
+    /// plants were flown.
     ///
     /// The plants still to be flown cost nothing less than nothing, and J falls with none of its costs.
     pub fn scores_below(
         &self,
         controller: &ControllerSettings<f64>,
         bound: f64,
-    ) -> (Option<Vec<Score>>, usize) {
+        stop: Stop<'_>,
+    ) -> Option<(Option<Vec<Score>>, usize)> {
         if bound == f64::INFINITY {
-            return (Some(self.scores(controller)), self.plants.len());
+            return Some((Some(self.scores_until(controller, stop)?), self.plants.len()));
         }
         let settings = self.settings(controller);
         let mut scores = Vec::with_capacity(self.plants.len());
         for group in self.plants.chunks(LANES) {
-            scores.extend(self.fly(&settings, group));
+            scores.extend(self.fly(&settings, group, stop)?);
             let mut costs: Vec<f64> = scores.iter().map(Score::cost).collect();
             costs.resize(self.plants.len(), 0.0);
             if cost::of(&costs) > bound * SURELY {
-                return (None, scores.len());
+                return Some((None, scores.len()));
             }
         }
         let flown = scores.len();
-        (Some(scores), flown)
+        Some((Some(scores), flown))
     }
 
     fn settings(&self, controller: &ControllerSettings<f64>) -> Settings<f32> {
         Settings::new(&self.rig, *controller, SAMPLE_TIME).map(f32::from_f64)
     }
 
-    fn fly(&self, settings: &Settings<f32>, group: &[Draw]) -> Vec<Score> {
-        kernel::scores(self, settings, group)
+    fn fly(&self, settings: &Settings<f32>, group: &[Draw], stop: Stop<'_>) -> Option<Vec<Score>> {
+        kernel::scores(self, settings, group, stop)
     }
 
     /// J.

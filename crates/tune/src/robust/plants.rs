@@ -24,6 +24,8 @@ pub struct Draw {
 pub const SPREAD: f64 = 0.3;
 /// Spread of each rotor's lag.
 pub const LAG_SPREAD: f64 = 0.7;
+/// What is added to a seed for plants that no tuning has seen: tuning draws from the seed itself.
+pub const UNSEEN: u64 = 1_000_000;
 /// \[V\] Largest disturbance of each motor.
 pub const DISTURBANCE: f64 = 2.0;
 

@@ -1,8 +1,9 @@
 //! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
 use super::{Limit, Row, Score, Trial};
+use crate::checkpoint::Identity;
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
-use crate::parallel;
+use crate::parallel::{self, Stop};
 use crate::search::{Effort, Problem, Search};
 use crate::tunable::Tunable;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -44,19 +45,19 @@ impl<'a> Robust<'a> {
         Self { limits, ..self }
     }
 
-    fn cost(&self, candidate: &Candidate) -> f64 {
+    fn cost(&self, candidate: &Candidate, stop: Stop<'_>) -> Option<f64> {
         let controller = self.tunable.controller(&candidate.position);
         // What no gains file could hold is no candidate.
         if controller.validate().is_err() {
-            return f64::INFINITY;
+            return Some(f64::INFINITY);
         }
-        let (scores, flown) = self.trial.scores_below(&controller, candidate.bound);
+        let (scores, flown) = self.trial.scores_below(&controller, candidate.bound, stop)?;
         let left = self.trial.plants.len() - flown;
         self.simulated.fetch_add(self.trial.steps() * flown as u64, Ordering::Relaxed);
         self.skipped.fetch_add(self.trial.steps() * left as u64, Ordering::Relaxed);
-        let Some(scores) = scores else { return f64::INFINITY };
+        let Some(scores) = scores else { return Some(f64::INFINITY) };
         self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
-        super::total(&scores) * (1.0 + self.excess(&scores))
+        Some(super::total(&scores) * (1.0 + self.excess(&scores)))
     }
 
     fn excess(&self, scores: &[Score]) -> f64 {
@@ -71,8 +72,8 @@ impl<'a> Robust<'a> {
 impl Problem for Robust<'_> {
     /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`]), so that the
     /// search learns in which direction fewer do.
-    fn costs(&self, candidates: &[Candidate]) -> Vec<f64> {
-        parallel::map(candidates, |candidate| self.cost(candidate))
+    fn costs_until(&self, candidates: &[Candidate], stop: Stop<'_>) -> Option<Vec<f64>> {
+        parallel::try_map(candidates, |candidate| self.cost(candidate, stop))
     }
 
     fn effort(&self) -> Effort {
@@ -135,7 +136,7 @@ impl Tuning {
     /// If the design has no parameter to tune.
     pub fn run(&self, design: fn(&Rig) -> ControllerSettings<f64>) -> Outcome<GainsFile> {
         let tunable = Tunable::new(&design(&self.rig), &[])?;
-        let mut search = Search::new(String::new(), self.plan.start(tunable.names().len()));
+        let mut search = Search::new(Identity::new(), self.plan.start(tunable.names().len()));
         search.to_the_end(&Robust::new(&self.trial, &tunable));
         let best = search.best().expect("the start is evaluated first");
         let provenance = Provenance {
@@ -154,6 +155,7 @@ impl Tuning {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parallel::NEVER;
     use twinrotor::defaults;
     use twinrotor::plant::presets::AERO2;
 
@@ -167,7 +169,7 @@ mod tests {
             let all = trial.scores(&controller);
             let cost = super::super::total(&all);
             for part in [0.2, 0.5, 0.8, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, f64::INFINITY] {
-                let (scores, flown) = trial.scores_below(&controller, part * cost);
+                let (scores, flown) = trial.scores_below(&controller, part * cost, NEVER).unwrap();
                 spared += all.len() - flown;
                 match scores {
                     Some(scores) => assert_eq!(scores, all),

@@ -1,13 +1,14 @@
 //! `tune` on an integral of the error: the paper's law over one scenario.
 
 use super::report::{document, name_of, summary};
-use super::request::Request;
+use super::request::{Request, left};
 use crate::cli::choices;
-use crate::cli::common::{End, no_effect, pair};
+use crate::cli::common::{beside, no_effect, pair};
 use crate::cli::{print, print_json};
-use crate::error::{Failure, Outcome};
+use crate::error::Outcome;
 use crate::figures;
-use crate::files::{self, figure, output};
+use crate::files::{self, figure};
+use crate::stop;
 use std::path::PathBuf;
 use twinrotor::axes::PerAxis;
 use twinrotor::gains::NAMES;
@@ -52,6 +53,11 @@ pub(super) struct Task<'a> {
 }
 
 impl Args {
+    /// The files that are read, by flag.
+    pub(super) fn inputs(&self) -> [(&str, &str); 1] {
+        [("--scenario", self.scenario.as_deref().unwrap_or_default())]
+    }
+
     /// Refuses what the robust objective would not heed.
     pub(super) fn refuse_for_robust(&self) -> Outcome<()> {
         let robust = "with --objective robust";
@@ -82,8 +88,7 @@ impl Args {
         let bounds = self.bounds.as_deref().map_or(Ok([1.0, 25.0]), |text| pair("--bounds", text))?;
         at_least("--bounds: the lower one", bounds[0], 0.0, true)?;
         at_least("--bounds: the upper one", bounds[1], bounds[0], true)?;
-        let plot = self.plot.clone().unwrap_or_else(|| request.out.with_extension("svg"));
-        figure::check("--plot", &plot)?;
+        let plot = beside(self.plot.as_deref(), request.out, &mut request.outputs.borrow_mut())?;
         let fidelity = self.fidelity.map_or(Fidelity::Ideal, Into::into);
         Ok(Task { request, criterion, scenario, fidelity, bounds, plot })
     }
@@ -94,20 +99,20 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     let Task { scenario, fidelity, bounds, plot, .. } = &task;
     let named = &request.named;
     let objective = Objective::new(criterion, &named.rig, scenario, *fidelity, request.seed);
-    let identity = format!(
-        "{} {:?} scenario {scenario:?} fidelity {fidelity:?} objective {} seed {} bounds {bounds:?} {:?}",
-        named.name,
-        named.rig,
-        name_of(criterion),
-        request.seed,
-        request.setup,
-    );
+    let identity = request
+        .identity()
+        .with("objective", name_of(criterion))
+        .with("bounds", format_args!("{},{}", bounds[0], bounds[1]))
+        .with("fidelity", format_args!("{fidelity:?}"))
+        .with("scenario", &scenario.name)
+        .with("horizon", scenario.duration)
+        .with("what the scenario holds", format_args!("{scenario:?}"));
     let box_of_gains = Bounds::new(vec![*bounds; NAMES.len()])?;
-    let mut search =
-        request.begin(identity, || request.setup.start(box_of_gains, Draws::new(request.seed)))?;
-    let end = request.drive(&objective, &mut search)?;
+    let mut search = request.begin(identity, request.setup.start(box_of_gains, Draws::new(request.seed)))?;
+    let listening = stop::listen(stop::Second::Ends);
+    let end = request.drive(&objective, &mut search);
     let Some(best) = search.best().filter(|b| b.cost.is_finite()) else {
-        return Err(Failure::Run("no candidate flew to the end; nothing is written".to_owned()));
+        return Err(request.nothing(end));
     };
 
     let mut found = Objective::controller(&best.position);
@@ -120,21 +125,27 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
         cost: best.cost,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     });
-    output::write(request.out, found.to_toml().as_bytes())?;
+    let mut outputs = request.outputs.take();
+    outputs.write(request.out, found.to_toml().as_bytes());
+    drop(listening);
+    if stop::requested() {
+        if request.json {
+            print_json(&document(&task, &search, &found))?;
+        }
+        return left(request, &search, outputs);
+    }
     let fly = |gains: &GainsFile| task.fly_in(gains, *fidelity);
     let flown = [fly(&GainsFile::paper())?, fly(&found)?];
     let pair = [("paper", &flown[0]), ("tuned", &flown[1])];
-    figure::write(&figures::comparison(&task.title(), pair, named.rig.volts_limit), plot)?;
+    let drawn = figures::comparison(&task.title(), pair, named.rig.volts_limit);
+    outputs.write(plot, &figure::bytes(&drawn, plot)?);
 
     if request.json {
         print_json(&document(&task, &search, &found))?;
     } else {
-        print(&summary(&task, &search, &objective, &found, &flown))?;
+        print(&format!("{}{}", summary(&task, &search, &objective, &found, &flown), outputs.unwritten()))?;
     }
-    match end {
-        End::Interrupted => Err(Failure::Interrupted),
-        End::Complete | End::TimeLimit => Ok(()),
-    }
+    outputs.done()
 }
 
 impl Task<'_> {

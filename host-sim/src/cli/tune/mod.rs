@@ -68,9 +68,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         Goal::Itae => Criterion::Itae,
         Goal::Robust => {
             args.integral.refuse_for_robust()?;
-            return robust::run(&args.robust, &Request::new(&args.shared)?);
+            return robust::run(&args.robust, &Request::new(&args.shared, &args.robust.inputs())?);
         }
     };
     args.robust.refuse_for_integral()?;
-    integral::run(&args.integral, &Request::new(&args.shared)?, criterion)
+    integral::run(&args.integral, &Request::new(&args.shared, &args.integral.inputs())?, criterion)
 }

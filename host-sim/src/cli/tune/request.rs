@@ -1,16 +1,20 @@
 //! What is asked of `tune` whatever is minimised, resolved, and a search driven so.
 
 use super::Shared;
-use crate::cli::common::{End, bar, catch_interrupts, interrupted};
+use crate::cli::common::{End, bar, within};
+use crate::cli::print;
 use crate::error::{Failure, Outcome};
 use crate::files::checkpoint::Keeper;
-use crate::files::output;
+use crate::files::output::Outputs;
+use crate::stop;
+use std::cell::RefCell;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use twinrotor_sim::error::{at_least, known_name};
-use twinrotor_sim::rig::NamedRig;
-use twinrotor_tune::optimise::{ALGORITHMS, Searcher, Setup};
+use twinrotor_sim::rig::{self, NamedRig};
+use twinrotor_tune::checkpoint::Identity;
+use twinrotor_tune::optimise::{ALGORITHMS, MOST_EVALUATIONS, Searcher, Setup};
 use twinrotor_tune::search::{Problem, Search};
 
 /// The shared flags, resolved.
@@ -22,23 +26,32 @@ pub(super) struct Request<'a> {
     pub(super) json: bool,
     pub(super) out: &'a Path,
     pub(super) begun: Instant,
+    /// What is read and written.
+    pub(super) outputs: RefCell<Outputs>,
+    /// The checkpoint, once it is written.
+    kept: RefCell<Option<PathBuf>>,
     shared: &'a Shared,
     time_limit: Option<Duration>,
 }
 
 impl<'a> Request<'a> {
-    /// Refuses, before any work is done, what could not be searched or written.
-    pub(super) fn new(shared: &'a Shared) -> Outcome<Self> {
+    /// Refuses, before any work is done, what could not be searched or written; `inputs` are the files that
+    /// other flags name.
+    pub(super) fn new(shared: &'a Shared, inputs: &[(&str, &str)]) -> Outcome<Self> {
         let begun = Instant::now();
         let named = shared.common.resolve()?;
-        let generations = shared.iterations.saturating_add(1);
+        let each = shared.population.unwrap_or(50);
         let setup = Setup {
             algorithm: *known_name("algorithm", &shared.algorithm, &ALGORITHMS)?,
             population: shared.population,
-            evaluations: shared.population.unwrap_or(50).saturating_mul(generations),
+            evaluations: each.saturating_mul(shared.iterations.saturating_add(1)),
         };
-        setup.validate().map_err(Failure::of_flag)?;
-        output::check("--out", &shared.out)?;
+        Setup { evaluations: 1, ..setup }.validate().map_err(Failure::of_flag)?;
+        within("--iterations", shared.iterations, 0, MOST_EVALUATIONS / each - 1)?;
+        let mut outputs = shared.common.outputs();
+        inputs.iter().for_each(|(flag, path)| outputs.reads(flag, path));
+        outputs.writes("--out", &shared.out)?;
+        shared.checkpoint.check(&mut outputs)?;
         let time_limit = match shared.time_limit {
             Some(limit) => Some(Duration::try_from_secs_f64(at_least("--time-limit", limit, 0.0, true)?)),
             None => None,
@@ -52,41 +65,88 @@ impl<'a> Request<'a> {
             json: shared.common.json,
             out: &shared.out,
             begun,
+            outputs: RefCell::new(outputs),
+            kept: RefCell::default(),
             shared,
             time_limit,
         })
     }
 
-    /// A search at its beginning, or where its checkpoint left it.
-    pub(super) fn begin(&self, identity: String, searcher: impl FnOnce() -> Searcher) -> Outcome<Search> {
-        self.shared
-            .checkpoint
-            .resume_or(identity, Search::resume, |identity| Search::new(identity, searcher()))
+    /// What decides the outcome, whatever is minimised.
+    pub(super) fn identity(&self) -> Identity {
+        Identity::new()
+            .with("preset", &self.named.name)
+            .with_toml(&rig::to_toml(&self.named.rig))
+            .with("algorithm", self.algorithm)
+            .with("population", self.setup.population.map_or_else(|| "usual".to_owned(), |n| n.to_string()))
+            .with("evaluations", self.setup.evaluations)
+            .with("seed", self.seed)
     }
 
-    /// Drives a search to its end, with a bar on a terminal.
-    pub(super) fn drive(&self, problem: &dyn Problem, search: &mut Search) -> Outcome<End> {
-        catch_interrupts();
+    /// A search at its beginning, or where its checkpoint left it.
+    pub(super) fn begin(&self, identity: Identity, searcher: Searcher) -> Outcome<Search> {
+        let begun = Search::new(identity, searcher);
+        self.shared.checkpoint.resume_or(begun, |begun, bytes| begun.resume(bytes))
+    }
+
+    /// Drives a search to its end, with a bar on a terminal; `search` is as far as it came.
+    pub(super) fn drive(&self, problem: &dyn Problem, search: &mut Search) -> End {
         let bar = bar(search.budget(), "{prefix} {bar:32} {pos}/{len} evaluations, best {msg}, {eta} left");
         bar.set_prefix(self.algorithm.to_owned());
         let (begun, keeper) = (Instant::now(), Keeper::new(self.shared.checkpoint.file.as_deref()));
-        let end = search.run(problem, |search| {
+        let limit = self.time_limit;
+        let late = || limit.is_some_and(|limit| begun.elapsed() >= limit);
+        let end = search.run(problem, &|| stop::requested() || late(), |search| {
             bar.set_position(search.evaluations() as u64);
             bar.set_message(format!("{:.6}", search.cost()));
-            if let Err(failure) = keeper.keep(|| search.checkpoint()) {
-                return ControlFlow::Break(Err(failure));
+            keeper.keep(|| search.checkpoint());
+            if stop::requested() {
+                return ControlFlow::Break(End::Interrupted);
             }
-            if interrupted() {
-                return ControlFlow::Break(Ok(End::Interrupted));
-            }
-            if self.time_limit.is_some_and(|limit| begun.elapsed() >= limit) {
-                return ControlFlow::Break(Ok(End::TimeLimit));
-            }
-            ControlFlow::Continue(())
+            if late() { ControlFlow::Break(End::TimeLimit) } else { ControlFlow::Continue(()) }
         });
         bar.finish_and_clear();
-        let end = end.break_value().unwrap_or(Ok(End::Complete))?;
-        keeper.keep_now(|| search.checkpoint())?;
-        Ok(end)
+        keeper.keep_now(|| search.checkpoint());
+        self.kept.replace(keeper.done(&mut self.outputs.borrow_mut()));
+        end.break_value().unwrap_or(End::Complete)
     }
+
+    /// Why a search ended without anything to show.
+    pub(super) fn nothing(&self, end: End) -> Failure {
+        match end {
+            End::Complete => Failure::Run("no candidate flew to the end; nothing is written".to_owned()),
+            End::TimeLimit => Failure::Run(
+                "--time-limit came before the first candidate had flown to the end; no gains are written"
+                    .to_owned(),
+            ),
+            End::Interrupted => {
+                Failure::Interrupted(format!("no candidate had flown to the end yet{}", self.go_on()))
+            }
+        }
+    }
+
+    /// What an interrupted search with `cost` has left.
+    pub(super) fn interrupted(&self, search: &Search) -> Failure {
+        Failure::Interrupted(format!(
+            "the best of {} evaluations, with cost {:.6}, is in {}{}",
+            search.evaluations(),
+            search.cost(),
+            self.out.display(),
+            self.go_on()
+        ))
+    }
+
+    fn go_on(&self) -> String {
+        let told = |path: &PathBuf| format!("; --checkpoint {} --resume goes on", path.display());
+        self.kept.borrow().as_ref().map_or_else(String::new, told)
+    }
+}
+
+/// The end of a search that was interrupted, after what was found is written.
+pub(super) fn left(request: &Request<'_>, search: &Search, outputs: Outputs) -> Outcome<()> {
+    if !request.json {
+        print(&outputs.unwritten())?;
+    }
+    outputs.done()?;
+    Err(request.interrupted(search))
 }

@@ -1,11 +1,12 @@
 //! `tune --objective robust`: any parameter of any controller, on many plants at once.
 
 use super::report::Run;
-use super::request::Request;
-use crate::cli::common::{End, no_effect, within};
+use super::request::{Request, left};
+use crate::cli::common::{no_effect, within};
 use crate::cli::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
-use crate::files::{self, output};
+use crate::files;
+use crate::stop;
 use serde::Serialize;
 use std::fmt::Write;
 use twinrotor::controller::ControllerSettings;
@@ -45,6 +46,11 @@ pub(super) struct Args {
 }
 
 impl Args {
+    /// The files that are read, by flag.
+    pub(super) fn inputs(&self) -> [(&str, &str); 1] {
+        [("--start", self.start.as_deref().unwrap_or_default())]
+    }
+
     /// Refuses what an integral of the error would not heed.
     pub(super) fn refuse_for_integral(&self) -> Outcome<()> {
         let law = "an integral of the error is of the paper's law, its four gains and one plant";
@@ -80,8 +86,9 @@ struct Document<'a> {
     run: Run<'a>,
     objective: &'static str,
     plants: usize,
-    terms: Terms,
-    failures: usize,
+    /// Of the gains; not known of a search that was interrupted.
+    terms: Option<Terms>,
+    failures: Option<usize>,
     gains: &'a GainsFile,
 }
 
@@ -98,13 +105,19 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let seed = request.seed;
     let trial = Trial::new(&named.rig, plants, seed, robust::allowance(&named.name, &named.rig));
     let plan = Plan { setup: request.setup, rounds, range, seed };
-    let identity = format!(
-        "{} {:?} robust {plants} plants {tunable:?} {plan:?} at most {:?}",
-        named.name, named.rig, args.at_most
-    );
-    let mut search = request.begin(identity, || plan.start(tunable.names().len()))?;
-    let end = request.drive(&Robust::new(&trial, &tunable).within(&limits), &mut search)?;
-    let best = search.best().expect("the start is evaluated first");
+    let identity = request
+        .identity()
+        .with("objective", "robust")
+        .with("plants", plants)
+        .with("rounds", rounds)
+        .with("range", range)
+        .with("at-most", args.at_most.join(","))
+        .with("parameters", tunable.names().join(","))
+        .with_toml(&GainsFile { controller: start, provenance: None }.to_toml());
+    let mut search = request.begin(identity, plan.start(tunable.names().len()))?;
+    let listening = stop::listen(stop::Second::Ends);
+    let end = request.drive(&Robust::new(&trial, &tunable).within(&limits), &mut search);
+    let Some(best) = search.best() else { return Err(request.nothing(end)) };
     let found = tunable.controller(&best.position);
 
     let mut file = GainsFile { controller: found, provenance: None };
@@ -120,25 +133,35 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         cost: best.cost,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     });
-    output::write(request.out, file.to_toml().as_bytes())?;
+    let mut outputs = request.outputs.take();
+    outputs.write(request.out, file.to_toml().as_bytes());
+    drop(listening);
+    let document = |scores: Option<&[robust::Score]>| Document {
+        run: Run::new(request, &search, 2.0 * trial.allowance),
+        objective: "robust",
+        plants,
+        terms: scores.map(|scores| Terms::mean(scores.iter().map(robust::Score::terms))),
+        failures: scores.map(|scores| scores.iter().filter(|s| s.failed).count()),
+        gains: &file,
+    };
+    if stop::requested() {
+        if request.json {
+            print_json(&document(None))?;
+        }
+        return left(request, &search, outputs);
+    }
 
     let before = trial.scores(&start);
     let after = trial.scores(&found);
     if request.json {
-        print_json(&Document {
-            run: Run::new(request, &search, 2.0 * trial.allowance),
-            objective: "robust",
-            plants,
-            terms: Terms::mean(after.iter().map(robust::Score::terms)),
-            failures: after.iter().filter(|s| s.failed).count(),
-            gains: &file,
-        })?;
+        print_json(&document(Some(&after)))?;
     } else {
         let tuned =
             Tunable::new(&found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
-        print(&summary(request, &tunable, &search, &tuned, [&before, &after]))?;
+        let summary = summary(request, &tunable, &search, &tuned, [&before, &after]);
+        print(&format!("{summary}{}", outputs.unwritten()))?;
     }
-    if end == End::Interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    outputs.done()
 }
 
 fn summary(

@@ -2,7 +2,7 @@
 
 use super::{Column, Table};
 use mcap::records::MessageHeader;
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
@@ -18,6 +18,7 @@ impl Table {
             .iter()
             .map(|(name, column)| match column {
                 Column::Numbers(_) => format!("REQUIRED DOUBLE {name};"),
+                Column::Counts(_) => format!("REQUIRED INT64 {name} (INTEGER(64,false));"),
                 Column::Words(_) => format!("REQUIRED BYTE_ARRAY {name} (UTF8);"),
             })
             .collect();
@@ -30,6 +31,11 @@ impl Table {
             let Some(mut place) = group.next_column()? else { break };
             match column {
                 Column::Numbers(x) => place.typed::<DoubleType>().write_batch(x, None, None)?,
+                // Parquet writes down a number without a sign by its bits.
+                Column::Counts(x) => {
+                    let bits: Vec<i64> = x.iter().map(|count| count.cast_signed()).collect();
+                    place.typed::<Int64Type>().write_batch(&bits, None, None)?
+                }
                 Column::Words(x) => {
                     let words: Vec<ByteArray> = x.iter().map(|w| w.as_str().into()).collect();
                     place.typed::<ByteArrayType>().write_batch(&words, None, None)?
@@ -49,7 +55,7 @@ impl Table {
             .iter()
             .filter_map(|(name, column)| match column {
                 Column::Numbers(x) => Some((name.as_str(), x.as_slice())),
-                Column::Words(_) => None,
+                Column::Counts(_) | Column::Words(_) => None,
             })
             .collect();
         let properties: serde_json::Map<String, serde_json::Value> = numbers
@@ -93,6 +99,7 @@ impl Table {
 fn npy(column: &Column) -> Vec<u8> {
     let (descriptor, data): (String, Vec<u8>) = match column {
         Column::Numbers(x) => ("<f8".to_owned(), x.iter().flat_map(|v| v.to_le_bytes()).collect()),
+        Column::Counts(x) => ("<u8".to_owned(), x.iter().flat_map(|v| v.to_le_bytes()).collect()),
         Column::Words(x) => {
             let longest = x.iter().map(|w| w.chars().count()).max().unwrap_or(0).max(1);
             let padded = |w: &String| {
@@ -104,6 +111,7 @@ fn npy(column: &Column) -> Vec<u8> {
     };
     let count = match column {
         Column::Numbers(x) => x.len(),
+        Column::Counts(x) => x.len(),
         Column::Words(x) => x.len(),
     };
     let mut header = format!("{{'descr': '{descriptor}', 'fortran_order': False, 'shape': ({count},), }}");
@@ -129,6 +137,7 @@ mod tests {
         let mut table = Table::default();
         table.push("t", Column::Numbers(vec![0.0, 0.001, 0.002]));
         table.push("theta", Column::Numbers(vec![0.1, f64::MIN_POSITIVE, -2.5]));
+        table.push("seed", Column::Counts(vec![1, (1 << 53) + 1, u64::MAX]));
         table.push("name", Column::Words(vec!["a".into(), "grey wolf".into(), "ψ".into()]));
         table
     }
@@ -136,12 +145,13 @@ mod tests {
     #[test]
     fn parquet_reads_back_to_the_bit() {
         let file = tempfile::NamedTempFile::with_suffix(".parquet").unwrap();
-        table().write(file.path()).unwrap();
+        std::fs::write(file.path(), table().bytes(file.path()).unwrap()).unwrap();
         let reader = SerializedFileReader::new(std::fs::File::open(file.path()).unwrap()).unwrap();
         let rows: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 3);
         assert_eq!(rows[1].get_double(1).unwrap(), f64::MIN_POSITIVE);
-        assert_eq!(rows[2].get_string(2).unwrap(), "ψ");
+        assert_eq!((rows[1].get_ulong(2).unwrap(), rows[2].get_ulong(2).unwrap()), ((1 << 53) + 1, u64::MAX));
+        assert_eq!(rows[2].get_string(3).unwrap(), "ψ");
     }
 
     #[test]
@@ -157,7 +167,7 @@ mod tests {
     /// The layout that numpy.lib.format documents.
     #[test]
     fn an_array_of_numpys_starts_at_a_block_and_has_its_shape() {
-        let bytes = npy(&table().columns[2].1);
+        let bytes = npy(&table().columns[3].1);
         assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
         let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
         assert_eq!((10 + length) % 64, 0);

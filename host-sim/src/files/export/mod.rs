@@ -4,7 +4,6 @@
 #[cfg(feature = "formats")]
 mod formats;
 
-use super::output;
 use crate::error::{Failure, Outcome};
 use std::fmt::Write;
 use std::path::Path;
@@ -15,6 +14,8 @@ use twinrotor_sim::flight::{Reading, Row};
 pub enum Column {
     /// Of numbers.
     Numbers(Vec<f64>),
+    /// Of whole numbers, every one of them exact.
+    Counts(Vec<u64>),
     /// Of words.
     Words(Vec<String>),
 }
@@ -29,12 +30,13 @@ pub struct Table {
 /// What a path's extension may be.
 const EXTENSIONS: [&str; 4] = ["parquet", "mcap", "npz", "csv"];
 
-fn extension(path: &Path) -> Option<&str> {
-    path.extension().and_then(|e| e.to_str()).filter(|e| EXTENSIONS.contains(e))
+fn extension(path: &Path) -> Option<&'static str> {
+    let ending = super::ending(path)?;
+    EXTENSIONS.into_iter().find(|known| *known == ending)
 }
 
-/// Refuses, before any work is done, a path that could not be written or whose extension says nothing. Only
-/// what has a time can be a `.mcap`.
+/// Refuses, before any work is done, a path whose extension says nothing. Only what has a time can be a
+/// `.mcap`.
 ///
 /// # Errors
 ///
@@ -44,7 +46,7 @@ pub fn check(flag: &str, path: &Path, timed: bool) -> Outcome<()> {
         Some("mcap") if !timed => {}
         #[cfg(not(feature = "formats"))]
         Some("parquet" | "mcap" | "npz") => return Err(super::not_built(flag, path)),
-        Some(_) => return output::check(flag, path),
+        Some(_) => return Ok(()),
         None => {}
     }
     let allowed = if timed { ".parquet, .mcap, .npz or .csv" } else { ".parquet, .npz or .csv" };
@@ -87,17 +89,18 @@ impl Table {
     fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, column)| match column {
             Column::Numbers(x) => x.len(),
+            Column::Counts(x) => x.len(),
             Column::Words(x) => x.len(),
         })
     }
 
-    /// Writes it in the format that the path's extension names, which [`check`] has approved.
+    /// It in the format that the path's extension names, which [`check`] has approved.
     ///
     /// # Errors
     ///
-    /// If the file cannot be written.
-    pub fn write(&self, path: &Path) -> Outcome<()> {
-        let bytes = match extension(path) {
+    /// If the format has no place for it.
+    pub fn bytes(&self, path: &Path) -> Outcome<Vec<u8>> {
+        Ok(match extension(path) {
             #[cfg(feature = "formats")]
             Some("parquet") => self.to_parquet().map_err(|e| failed(path, e))?,
             #[cfg(feature = "formats")]
@@ -105,8 +108,7 @@ impl Table {
             #[cfg(feature = "formats")]
             Some("npz") => self.to_npz().map_err(|e| failed(path, e))?,
             _ => self.to_csv().into_bytes(),
-        };
-        output::write(path, &bytes)
+        })
     }
 
     /// Shortest digits that give the same bits back.
@@ -118,6 +120,7 @@ impl Table {
                 let comma = if k == 0 { "" } else { "," };
                 let _ = match column {
                     Column::Numbers(x) => write!(text, "{comma}{}", x[row]),
+                    Column::Counts(x) => write!(text, "{comma}{}", x[row]),
                     Column::Words(x) => write!(text, "{comma}{}", x[row]),
                 };
             }
