@@ -33,6 +33,7 @@ pub struct ControlLoop {
     checked: bool,
     accepted: Accepted,
     trial: Option<Trial>,
+    kept: Kept,
     /// Number of the message that asked for the accepted controller, unless it is the record's.
     accepted_by: Option<Sequence>,
     monitor: Monitor,
@@ -128,6 +129,7 @@ impl ControlLoop {
                 worst: PerAxis::zero(),
             },
             trial: None,
+            kept: Kept::Stored,
             accepted_by: None,
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
@@ -205,8 +207,7 @@ impl ControlLoop {
     /// Which controller decides, for telemetry.
     fn in_force(&self) -> InForce {
         let (trial, blend) = self.trial.as_ref().map_or((TrialPhase::None, 0), |t| (t.phase(), t.percent()));
-        let accepted = if self.accepted_by.is_some() { Kept::Unsaved } else { Kept::Stored };
-        InForce { accepted, trial, blend }
+        InForce { accepted: self.kept, trial, blend }
     }
 
     /// A controller is being tried.
@@ -260,6 +261,7 @@ impl ControlLoop {
             && let Some((accepted, sequence)) = trial.accept()
         {
             self.accepted = accepted;
+            self.kept = Kept::Unsaved;
             self.accepted_by = Some(sequence);
             self.trial = None;
         }
@@ -292,7 +294,7 @@ impl ControlLoop {
         if let (Some(belief), true) = (tried, self.is_armed()) {
             self.go_on_trying(belief, &reference, command);
         }
-        if command == Some(&OperatorCommand::Try) {
+        if matches!(command, Some(OperatorCommand::Try)) {
             self.begin_trying(inputs.trial, measured);
         }
         self.supply = inputs.supply;
