@@ -11,13 +11,14 @@
 //! not finite, and when the motors go off for whatever reason.
 
 use crate::axes::{PerAxis, PerMotor};
+use crate::control_loop::OperatorCommand;
 use crate::controller::ControllerSettings;
 use crate::estimator::Belief;
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline, Settings};
 use crate::real::Real;
 use crate::reference::Reference;
-use crate::sequence::Sequence;
+use crate::sequence::{Numbered, Sequence};
 use crate::telemetry::TrialPhase;
 use crate::validate::{Invalid, require};
 use serde::{Deserialize, Serialize};
@@ -105,6 +106,12 @@ impl Candidate {
     #[must_use]
     pub const fn sequence(&self) -> Sequence {
         self.sequence
+    }
+
+    /// Whether `command` is to try it.
+    #[must_use]
+    pub fn is_asked_for_by(&self, command: &Numbered<OperatorCommand>) -> bool {
+        command.message == OperatorCommand::Try && command.sequence == self.sequence
     }
 }
 

@@ -34,8 +34,6 @@ pub struct ControlLoop {
     accepted: Accepted,
     trial: Option<Trial>,
     kept: Kept,
-    /// Number of the message that asked for the accepted controller, unless it is the record's.
-    accepted_by: Option<Sequence>,
     monitor: Monitor,
     supervisor: Supervisor,
     check: FirstPowerCheck,
@@ -51,6 +49,8 @@ pub struct ControlLoop {
     latched: PerMotor<f32>,
     /// The last command, and in which tick it came.
     taken: Option<(Sequence, u32)>,
+    /// Number of the message that asked for the accepted controller, unless it is the record's.
+    accepted_by: Option<Sequence>,
 }
 
 /// What the board has read when a tick begins.
@@ -226,14 +226,16 @@ impl ControlLoop {
         }
     }
 
-    /// Begins to try `candidate`, if that is what the command of this tick asks for.
+    /// Begins to try `candidate`, if `command` asks for it.
     #[inline(never)]
-    fn begin_trying(&mut self, candidate: Option<&Candidate>, measured: PerAxis<f32>) {
-        let asked = self.taken.map(|(sequence, _)| sequence);
-        if let Some(candidate) = candidate.filter(|candidate| Some(candidate.sequence()) == asked)
-            && self.trial.is_none()
-            && self.is_armed()
-        {
+    fn begin_trying(
+        &mut self,
+        candidate: &Candidate,
+        command: Option<&Numbered<OperatorCommand>>,
+        measured: PerAxis<f32>,
+    ) {
+        let asked = command.is_some_and(|command| candidate.is_asked_for_by(command));
+        if asked && self.trial.is_none() && self.is_armed() {
             self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
         }
     }
@@ -294,8 +296,8 @@ impl ControlLoop {
         if let (Some(belief), true) = (tried, self.is_armed()) {
             self.go_on_trying(belief, &reference, command);
         }
-        if matches!(command, Some(OperatorCommand::Try)) {
-            self.begin_trying(inputs.trial, measured);
+        if let Some(candidate) = inputs.trial {
+            self.begin_trying(candidate, inputs.command, measured);
         }
         self.supply = inputs.supply;
         // Never below what is allowed: a supply read too low would give the motors more than they should

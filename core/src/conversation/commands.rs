@@ -39,10 +39,7 @@ pub fn is_done_with(
     command: Option<&Numbered<OperatorCommand>>,
     disarm: bool,
 ) -> bool {
-    let asks = |command: &Numbered<OperatorCommand>| {
-        command.message == OperatorCommand::Try && command.sequence == candidate.sequence()
-    };
-    disarm || command.is_some_and(asks)
+    disarm || command.is_some_and(|command| candidate.is_asked_for_by(command))
 }
 
 #[cfg(test)]
