@@ -95,14 +95,22 @@ impl Approach {
         self.landing && self.offset == PerAxis::zero()
     }
 
+    /// The way is done and the setpoint does not move: the reference is [`Self::idle`], and need not be stepped.
+    #[inline(always)]
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        self.moves == 0 && self.offset == PerAxis::zero()
+    }
+
     /// The setpoint, at rest: what the reference is while nothing follows it.
+    #[inline(always)]
     #[must_use]
     pub fn idle(&self) -> Reference<f32> {
         Reference::at_rest(self.setpoint.angle)
     }
 
     /// The reference of this tick.
-    #[inline(always)]
+    #[inline(never)]
     pub fn step(&mut self) -> Reference<f32> {
         let closing = if self.offset == PerAxis::zero() { PerAxis::zero() } else { self.close_in() };
         let now = self.setpoint;

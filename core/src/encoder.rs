@@ -2,13 +2,14 @@
 
 use crate::real::Real;
 
-/// Width of a hardware counter that wraps around.
+/// Width of a hardware counter that wraps around; each stands for what it leaves of 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
 pub enum CounterWidth {
     /// A timer in encoder mode.
-    Bits16,
+    Bits16 = 16,
     /// The counters of the Aero and the Aero 2.
-    Bits24,
+    Bits24 = 8,
 }
 
 impl CounterWidth {
@@ -16,11 +17,8 @@ impl CounterWidth {
     /// range between the two.
     #[inline]
     const fn step(self, from: u32, to: u32) -> i32 {
-        let spare = match self {
-            Self::Bits16 => 16,
-            Self::Bits24 => 8,
-        };
-        (to.wrapping_sub(from) << spare).cast_signed() >> spare
+        let spare = self as u32;
+        to.wrapping_sub(from).wrapping_shl(spare).cast_signed().wrapping_shr(spare)
     }
 }
 

@@ -29,8 +29,11 @@ pub const SHADOW_TICKS: u32 = 300;
 pub const ERROR_FACTOR: f32 = 2.0;
 /// \[rad\] The least error that does: one degree.
 pub const LEAST_ERROR: f32 = core::f32::consts::PI / 180.0;
-/// What a tick keeps of the recent worst error: it fades with a time constant of 32.8 s.
-const KEEP: f32 = 1.0 - 1.0 / 32_768.0;
+/// \[ticks\] From one look at the accepted controller's error to the next: a rig needs many to move, and a
+/// tick's time is dear.
+pub(crate) const NOTE_EVERY: u32 = 4;
+/// What is kept of the recent worst error from one look to the next: it fades with a time constant of 32.8 s.
+const KEEP: f32 = 1.0 - 1.0 / 8_192.0;
 
 /// \[ms\] From none of the volts to all of them, unless the operator says otherwise.
 pub const FADE_MS: u32 = 100;

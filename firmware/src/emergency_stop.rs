@@ -2,8 +2,7 @@
 
 use crate::pins::EMERGENCY_STOP;
 use crate::port::{PlantPort, Port};
-use crate::shared::STOP_EDGE;
-use core::sync::atomic::Ordering;
+use crate::shared::Flag;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::{interrupt, pac};
 
@@ -27,6 +26,6 @@ pub(crate) fn listen() {
 #[interrupt]
 fn EXTI15_10() {
     Port::off();
-    STOP_EDGE.store(true, Ordering::Relaxed);
+    Flag::StopEdge.raise();
     pac::EXTI.pr(0).write(|w| w.set_line(LINE, true));
 }

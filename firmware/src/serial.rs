@@ -4,9 +4,7 @@
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;
 use crate::receiver::Receiver;
-use crate::shared::{
-    Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, STATUS, TICK_COUNTS_MAX, TICKS,
-};
+use crate::shared::{Commands, FRAME_EVERY, FRAMES_DROPPED, Flag, Reports, STATUS, TICK_COUNTS_MAX, TICKS};
 use crate::storage::Storage;
 use crate::{clock, log, nonce, slot, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -160,12 +158,12 @@ impl Operator {
         }
         STALE.store(stale, Ordering::Relaxed);
         if response.heard {
-            HEARD.store(true, Ordering::Relaxed);
+            Flag::Heard.raise();
         }
         match response.action {
             Action::Nothing => {}
             Action::Answer(message) => answer(message).await,
-            Action::Disarm => DISARM.store(true, Ordering::Relaxed),
+            Action::Disarm => Flag::Disarm.raise(),
             Action::Command(command) => {
                 // There is room: the conversation was told so, and only the tick makes more.
                 let _ = self.commands.enqueue(command);

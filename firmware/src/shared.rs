@@ -1,7 +1,7 @@
 //! What the tick and the thread tell each other, without a lock.
 
 use crate::log::Change;
-use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering};
 use heapless::spsc::Consumer;
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
@@ -22,10 +22,8 @@ pub(crate) struct Reports {
 }
 pub(crate) type Commands = commands::Sender<'static>;
 
-/// Something came over the link since the last tick.
-pub(crate) static HEARD: AtomicBool = AtomicBool::new(false);
-/// The operator wants the motors off; nothing that else comes over the link is in its way.
-pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
+/// The [`Flag`]s that are raised.
+static FLAGS: AtomicU8 = AtomicU8::new(0);
 /// \[ticks\] From one frame of telemetry to the next.
 pub(crate) static FRAME_EVERY: AtomicU16 = AtomicU16::new(5);
 /// Frames that found the queue full.
@@ -36,19 +34,47 @@ pub(crate) static TICK_COUNTS_MAX: AtomicU32 = AtomicU32::new(0);
 pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
 /// [`twinrotor::control_loop::Status`] as a word, whenever it may have changed.
 pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
-/// The emergency stop's edge, kept for the next tick.
-pub(crate) static STOP_EDGE: AtomicBool = AtomicBool::new(false);
-/// The stack has been used further than it should.
-pub(crate) static STACK_LOW: AtomicBool = AtomicBool::new(false);
 /// What the LED shows, as its own file says.
 pub(crate) static LED_PATTERN: AtomicU8 = AtomicU8::new(0);
 
-/// For the tick: takes a flag back that others raise, whom it interrupts and who never interrupt it.
-#[inline(always)]
-pub(crate) fn take(flag: &AtomicBool) -> bool {
-    let raised = flag.load(Ordering::Relaxed);
-    if raised {
-        flag.store(false, Ordering::Relaxed);
+/// What the next tick is to know.
+#[derive(Clone, Copy)]
+#[repr(u8)]
+pub(crate) enum Flag {
+    /// Something came over the link since the last tick.
+    Heard = 1,
+    /// The operator wants the motors off; nothing that else comes over the link is in its way.
+    Disarm = 2,
+    /// The emergency stop's edge.
+    StopEdge = 4,
+    /// The stack has been used further than it should: stays raised.
+    StackLow = 8,
+}
+
+impl Flag {
+    /// Until a tick takes it.
+    pub(crate) fn raise(self) {
+        FLAGS.fetch_or(self as u8, Ordering::Relaxed);
     }
-    raised
+}
+
+/// The flags that a tick has taken.
+#[derive(Clone, Copy)]
+pub(crate) struct Flags(u8);
+
+impl Flags {
+    /// For the tick, which interrupts all who raise flags, or waits for them, and is not interrupted.
+    #[inline(always)]
+    pub(crate) fn take() -> Self {
+        let raised = FLAGS.load(Ordering::Relaxed);
+        if raised != 0 {
+            FLAGS.store(raised & Flag::StackLow as u8, Ordering::Relaxed);
+        }
+        Self(raised)
+    }
+
+    #[inline(always)]
+    pub(crate) fn contain(self, flag: Flag) -> bool {
+        self.0 & flag as u8 != 0
+    }
 }

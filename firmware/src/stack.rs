@@ -1,7 +1,6 @@
 //! The stack's end: a guard below it, and how close it came.
 
-use crate::shared::STACK_LOW;
-use core::sync::atomic::Ordering;
+use crate::shared::Flag;
 use cortex_m::peripheral::MPU;
 
 /// What the start-up code paints the stack with.
@@ -51,7 +50,7 @@ pub(crate) fn high_water() -> (u32, u32) {
     }
     let (used, size) = (start - low, start - end);
     if used > size / 4 * 3 {
-        STACK_LOW.store(true, Ordering::Relaxed);
+        Flag::StackLow.raise();
     }
     (used, size)
 }

@@ -5,8 +5,8 @@ use crate::log::Change;
 use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
-    CHANGES, Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
-    STATUS, TICK_COUNTS_MAX, TICKS, VERDICTS, take,
+    CHANGES, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, Flag, Flags, LED_PATTERN, Reports, STATUS,
+    TICK_COUNTS_MAX, TICKS, VERDICTS,
 };
 use crate::{led, slot, wake, watchdog};
 use core::cell::UnsafeCell;
@@ -20,7 +20,7 @@ use twinrotor::control_loop::{ControlLoop, Inputs};
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::{Parameters, Provenance};
-use twinrotor::supervisor::{ArmState, Condition, Conditions};
+use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
 /// \[counts\] More than this from one tick to the next, and one has been missed.
@@ -34,9 +34,10 @@ struct Tick<P> {
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
     changes: Producer<'static, Change>,
-    last: (ArmState, Conditions),
     until_frame: u16,
     last_begin: u32,
+    /// \[counts of the stopwatch\]
+    longest: u32,
     /// The last tick ended too late, or this one began too late.
     overrun: bool,
 }
@@ -96,9 +97,9 @@ pub(crate) fn start(
             frames,
             verdicts,
             changes,
-            last: (ArmState::Disarmed, Conditions::NONE),
             until_frame: 0,
             last_begin: clock.now(),
+            longest: 0,
             overrun: false,
         });
     }
@@ -115,6 +116,12 @@ pub(crate) fn adopt(parameters: &Parameters, _: &TickAside) {
     let control = unsafe { (*CONTROL.0.get()).assume_init_mut() };
     control.core.adopt(parameters);
     control.standing = control.board;
+    tell_status(control);
+}
+
+/// Where the loop stands, for the thread.
+#[inline(never)]
+fn tell_status(control: &Control) {
     STATUS.store(control.core.status().to_word(), Ordering::Release);
 }
 
@@ -144,7 +151,8 @@ impl<P: PlantPort> Tick<P> {
         }
         wake::wake();
         let taken = self.clock.now().wrapping_sub(begin);
-        if taken > TICK_COUNTS_MAX.load(Ordering::Relaxed) {
+        if taken > self.longest {
+            self.longest = taken;
             TICK_COUNTS_MAX.store(taken, Ordering::Relaxed);
         }
         self.overrun = self.clock.tick_due();
@@ -156,7 +164,8 @@ impl<P: PlantPort> Tick<P> {
     /// The core's tick, and what it has to report.
     #[inline(always)]
     fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
-        let disarm = take(&DISARM);
+        let flags = Flags::take();
+        let disarm = flags.contain(Flag::Disarm);
         let command = commands::next(&mut self.commands, disarm);
         let trying = control.core.is_trying();
         let outputs = control.core.tick(&Inputs {
@@ -165,48 +174,51 @@ impl<P: PlantPort> Tick<P> {
             current_limit: sensed.current_limit,
             senses: control
                 .standing
-                .with(Condition::EmergencyStop, sensed.emergency_stop)
+                .with(Condition::EmergencyStop, sensed.emergency_stop | flags.contain(Flag::StopEdge))
                 .with(Condition::SensorStale, !sensed.fresh)
                 .with(Condition::TickOverrun, self.overrun | missed)
-                .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
-            heard: take(&HEARD),
+                .with(Condition::StackGuard, flags.contain(Flag::StackLow)),
+            heard: flags.contain(Flag::Heard),
             disarm,
             trial: if command.is_some() { slot::peek() } else { None },
             command,
         });
         self.port.write(outputs.duty, outputs.enable);
-        let news = trying | command.is_some();
-        if disarm | command.is_some() {
+        if trying | disarm | command.is_some() {
             slot::settle(command, disarm);
-        }
-        if command.is_some() {
-            commands::done(&mut self.commands);
+            if command.is_some() {
+                commands::done(&mut self.commands);
+            }
+            tell_status(control);
         }
         if let Some(verdict) = outputs.verdict {
             // There is one verdict a check, and checks take seconds: there is room.
             let _ = self.verdicts.enqueue(verdict);
         }
-        self.report(control, news);
+        self.report(control);
     }
 
     #[inline(always)]
-    fn report(&mut self, control: &Control, news: bool) {
-        LED_PATTERN.store(led::pattern(control.core.state(), control.board), Ordering::Relaxed);
-        let (tick, now) = (control.core.next_tick(), (control.core.state(), control.core.conditions()));
-        TICKS.store(tick, Ordering::Relaxed);
-        if news || now != self.last {
-            STATUS.store(control.core.status().to_word(), Ordering::Release);
+    fn report(&mut self, control: &Control) {
+        TICKS.store(control.core.next_tick(), Ordering::Relaxed);
+        if control.core.has_changed() {
+            self.tell_change(control);
         }
-        if now != self.last {
-            self.last = now;
-            let _ = self.changes.enqueue(Change { tick, state: now.0, conditions: now.1 });
-        }
-        self.until_frame = self.until_frame.saturating_sub(1);
-        if self.until_frame == 0 {
+        if self.until_frame > 1 {
+            self.until_frame = self.until_frame.wrapping_sub(1);
+        } else {
             self.until_frame = FRAME_EVERY.load(Ordering::Relaxed);
             if self.frames.enqueue(control.core.frame()).is_err() {
                 FRAMES_DROPPED.fetch_add(1, Ordering::Relaxed);
             }
         }
+    }
+
+    #[inline(never)]
+    fn tell_change(&mut self, control: &Control) {
+        let (tick, state) = (control.core.next_tick(), control.core.state());
+        LED_PATTERN.store(led::pattern(state, control.board), Ordering::Relaxed);
+        tell_status(control);
+        let _ = self.changes.enqueue(Change { tick, state, conditions: control.core.conditions() });
     }
 }

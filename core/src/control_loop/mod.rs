@@ -13,44 +13,48 @@ use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
 use crate::monitor::{Monitor, Observation};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
+use crate::plant::State;
 use crate::real::Real;
 use crate::reference::Reference;
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
 use crate::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
-use crate::trial::{Accepted, Candidate, Trial};
+use crate::trial::{Accepted, Candidate, NOTE_EVERY, Trial};
+use core::hint::cold_path;
 use serde::{Deserialize, Serialize};
 
 /// Counters in, duties out, once a tick.
+///
+/// In this order: what the tick always looks at lies within the 1,020 bytes that a floating-point load of a
+/// Cortex-M4 reaches from one register, and the trial, which is seldom there, behind it.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct ControlLoop {
     tick: u32,
-    rest_counts: PerAxis<i32>,
     encoders: PerAxis<Encoder>,
     /// \[ticks\] Since an encoder last moved.
     still: u32,
-    zeroed: bool,
-    checked: bool,
-    accepted: Accepted,
-    trial: Option<Trial>,
-    kept: Kept,
-    monitor: Monitor,
     supervisor: Supervisor,
-    check: FirstPowerCheck,
-    verdict: Option<Verdict>,
-    approach: Approach,
-    drive: Drive<f32>,
-    /// \[V\] What the drive counts on at least.
-    supply_low: f32,
-    conditions: Conditions,
     decision: Decision<f32>,
     supply: f32,
     /// \[V\] What the last tick's duties give. They are latched at the next tick, so they act one tick late.
     latched: PerMotor<f32>,
-    /// The last command, and in which tick it came.
-    taken: Option<(Sequence, u32)>,
+    taken: Taken,
+    kept: Kept,
+    zeroed: bool,
+    checked: bool,
+    verdict: Option<Verdict>,
+    drive: Drive<f32>,
+    /// \[V\] What the drive counts on at least.
+    supply_low: f32,
+    approach: Approach,
+    monitor: Monitor,
+    accepted: Accepted,
+    rest_counts: PerAxis<i32>,
+    check: FirstPowerCheck,
     /// Number of the message that asked for the accepted controller, unless it is the record's.
     accepted_by: Option<Sequence>,
+    trial: Option<Trial>,
 }
 
 /// What the board has read when a tick begins.
@@ -138,11 +142,10 @@ impl ControlLoop {
             approach: Approach::new(parameters),
             drive,
             supply_low: parameters.limits.supply_low,
-            conditions: Conditions::NONE,
             decision: Decision::idle(Estimate::default(), PerAxis::zero()),
             supply: 0.0,
             latched: PerMotor::zero(),
-            taken: None,
+            taken: Taken::default(),
         }
     }
 
@@ -162,7 +165,13 @@ impl ControlLoop {
     /// What was wrong in the last tick.
     #[inline(always)]
     pub fn conditions(&self) -> Conditions {
-        self.conditions
+        self.supervisor.present()
+    }
+
+    /// Whether state or conditions are others than before the last tick.
+    #[inline(always)]
+    pub fn has_changed(&self) -> bool {
+        self.supervisor.has_changed()
     }
 
     fn is_armed(&self) -> bool {
@@ -183,11 +192,10 @@ impl ControlLoop {
     #[inline(always)]
     pub fn frame(&self) -> Frame {
         let decision = &self.decision;
-        let tick = self.tick.wrapping_sub(1);
         Frame {
-            tick,
+            tick: self.tick.wrapping_sub(1),
             state: self.state(),
-            conditions: self.conditions,
+            conditions: self.conditions(),
             angle: decision.estimate.state.angle,
             rate: decision.estimate.state.rate,
             disturbance: decision.estimate.disturbance,
@@ -196,10 +204,7 @@ impl ControlLoop {
             unallocated_torque: self.unallocated_torque(),
             volts: self.latched,
             supply: self.supply,
-            taken: self.taken.map_or(Taken::default(), |(sequence, at)| Taken {
-                sequence,
-                ago: u8::try_from(tick.wrapping_sub(at)).unwrap_or(u8::MAX),
-            }),
+            taken: self.taken,
             controller: self.in_force(),
         }
     }
@@ -271,32 +276,46 @@ impl ControlLoop {
 
     /// \[N m\] What the limits left over of what the law asked for.
     fn unallocated_torque(&self) -> PerAxis<f32> {
-        if self.is_armed() {
-            self.accepted.pipeline.unallocated_torque(&self.decision.allocation)
+        let allocation = &self.decision.allocation;
+        if self.is_armed() && allocation.volts != allocation.demand {
+            self.accepted.pipeline.unallocated_torque(allocation)
         } else {
             PerAxis::zero()
         }
     }
 
     /// One tick.
-    #[inline(never)]
+    #[inline]
     pub fn tick(&mut self, inputs: &Inputs<'_>) -> Outputs {
         let command = self.take(inputs);
         let (measured, moved) = self.read_encoders(inputs.counters);
-        let mut belief = self.accepted.pipeline.believe(measured, self.latched);
-        let tried = self.trial.as_mut().map(|trial| trial.believe(measured, self.latched));
-        let flies = self.trial.as_ref().is_some_and(|trial| trial.phase() == TrialPhase::Flying);
-        let leading = tried.filter(|_| flies).unwrap_or(belief);
-        self.find_conditions(inputs, &leading.estimate, moved);
-        if self.supervise(inputs.disarm, command, measured) {
-            belief = self.accepted.pipeline.believe_once(measured, self.latched);
+        let belief = self.accepted.pipeline.believe(measured, self.latched);
+        let State { mut angle, mut rate } = belief.estimate.state;
+        let mut tried = None;
+        if let Some(trial) = &mut self.trial {
+            cold_path();
+            let belief = trial.believe(measured, self.latched);
+            if trial.phase() == TrialPhase::Flying {
+                State { angle, rate } = belief.estimate.state;
+            }
+            tried = Some(belief);
         }
+        let found = self.find_conditions(inputs, angle, rate, moved);
+        let changes = self.supervise(found, inputs.disarm, command, measured);
         let reference = self.follow(command);
-        self.decide(belief, reference, measured);
+        if changes {
+            cold_path();
+            self.decide_afresh(reference, measured);
+        } else {
+            self.decide(belief, reference, measured, Pipeline::decide);
+        }
         if let (Some(belief), true) = (tried, self.is_armed()) {
-            self.go_on_trying(belief, &reference, command);
+            cold_path();
+            let Reference { angle, rate, accel } = reference;
+            self.go_on_trying(belief, &Reference { angle, rate, accel }, command);
         }
         if let Some(candidate) = inputs.trial {
+            cold_path();
             self.begin_trying(candidate, inputs.command, measured);
         }
         self.supply = inputs.supply;
@@ -312,8 +331,10 @@ impl ControlLoop {
     /// The command that counts in this tick: none where the operator disarms.
     #[inline(always)]
     fn take<'a>(&mut self, inputs: &Inputs<'a>) -> Option<&'a OperatorCommand> {
+        self.taken.ago = self.taken.ago.saturating_add(1);
         let Numbered { sequence, message } = inputs.command.filter(|_| !inputs.disarm)?;
-        self.taken = Some((*sequence, self.tick));
+        cold_path();
+        self.taken = Taken { sequence: *sequence, ago: 0 };
         Some(message)
     }
 
@@ -329,10 +350,18 @@ impl ControlLoop {
         (measured, moved)
     }
 
-    fn find_conditions(&mut self, inputs: &Inputs<'_>, estimate: &Estimate<f32>, moved: PerAxis<i32>) {
-        let found = self.monitor.check(&Observation {
+    fn find_conditions(
+        &mut self,
+        inputs: &Inputs<'_>,
+        angle: PerAxis<f32>,
+        rate: PerAxis<f32>,
+        moved: PerAxis<i32>,
+    ) -> Conditions {
+        let observed = Observation {
+            tick: self.tick,
             moved,
-            estimate,
+            angle,
+            rate,
             applied: self.latched,
             supply: inputs.supply,
             supply_before: self.supply,
@@ -341,28 +370,47 @@ impl ControlLoop {
             zeroed: self.zeroed,
             armed: self.is_armed(),
             motors_may_turn: self.state().motors_may_turn(),
-            landed: self.approach.has_landed(),
             heard: inputs.heard,
-        });
+        };
+        let found = self.monitor.check(&observed, || self.approach.has_landed());
         // A jump means lost counts: where zero was is no longer known.
-        self.zeroed &= !(found.contains(Condition::PitchJump) || found.contains(Condition::YawJump));
-        self.conditions = found
+        if found.contains(Condition::PitchJump) || found.contains(Condition::YawJump) {
+            cold_path();
+            self.zeroed = false;
+        }
+        found
             .union(inputs.senses)
             .with(Condition::NotZeroed, !self.zeroed)
-            .with(Condition::NotChecked, !self.checked);
+            .with(Condition::NotChecked, !self.checked)
     }
 
-    /// Moves the supervisor. At a change of state the estimator starts afresh, which this tells; at arming so
-    /// do reference and monitor.
-    fn supervise(&mut self, disarm: bool, command: Option<&OperatorCommand>, measured: PerAxis<f32>) -> bool {
-        let before = self.supervisor.state();
-        let request = match (self.verdict.take(), command) {
-            (Some(_), _) => Some(Request::Disarm),
-            _ if disarm => Some(Request::Disarm),
-            (None, Some(OperatorCommand::Request(request))) => Some(*request),
+    /// Moves the supervisor with what was `found`, if that or the operator may move it. At a change of state
+    /// the estimator starts afresh, which this tells; at arming so do reference and monitor.
+    #[inline(always)]
+    fn supervise(
+        &mut self,
+        found: Conditions,
+        disarm: bool,
+        command: Option<&OperatorCommand>,
+        measured: PerAxis<f32>,
+    ) -> bool {
+        let request = match command {
+            _ if self.verdict.is_some() || disarm => Some(Request::Disarm),
+            Some(OperatorCommand::Request(request)) => Some(*request),
             _ => None,
         };
-        if !self.supervisor.step(self.conditions, request) {
+        if request.is_none() && self.supervisor.is_settled(found) {
+            return false;
+        }
+        cold_path();
+        self.change_state(found, request, measured)
+    }
+
+    #[inline(never)]
+    fn change_state(&mut self, found: Conditions, request: Option<Request>, measured: PerAxis<f32>) -> bool {
+        let before = self.supervisor.state();
+        self.verdict = None;
+        if !self.supervisor.step(found, request) {
             return false;
         }
         self.accepted.pipeline.restart(measured);
@@ -383,26 +431,41 @@ impl ControlLoop {
         true
     }
 
+    #[inline(always)]
     fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
+        if let Some(command) = command {
+            cold_path();
+            self.follow_command(command);
+        }
+        if self.is_armed() {
+            if self.monitor.has_just_lost_link() {
+                cold_path();
+                self.approach.lose_link();
+                if let Some(trial) = &mut self.trial {
+                    trial.take_back();
+                }
+            }
+            if !self.approach.rests() {
+                cold_path();
+                // In parts: a whole one would have its place in memory, and every tick would go by it.
+                let Reference { angle, rate, accel } = self.approach.step();
+                return Reference { angle, rate, accel };
+            }
+        }
+        self.approach.idle()
+    }
+
+    #[inline(never)]
+    fn follow_command(&mut self, command: &OperatorCommand) {
         match command {
-            Some(OperatorCommand::Setpoint(setpoint)) => self.approach.aim(*setpoint),
-            Some(OperatorCommand::Zero)
+            OperatorCommand::Setpoint(setpoint) => self.approach.aim(*setpoint),
+            OperatorCommand::Zero
                 if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() =>
             {
                 self.zero();
             }
             _ => {}
         }
-        if !self.is_armed() {
-            return self.approach.idle();
-        }
-        if self.monitor.has_just_lost_link() {
-            self.approach.lose_link();
-            if let Some(trial) = &mut self.trial {
-                trial.take_back();
-            }
-        }
-        self.approach.step()
     }
 
     /// Takes where the rig lies for its rest pose.
@@ -413,13 +476,27 @@ impl ControlLoop {
         self.zeroed = true;
     }
 
-    /// What the motors are to do: what the law says when armed, what the check says when checking, else
+    /// What the motors are to do after a change of state, with which the estimator has started afresh.
+    #[inline(never)]
+    fn decide_afresh(&mut self, reference: Reference<f32>, measured: PerAxis<f32>) {
+        let belief = self.accepted.pipeline.believe_once(measured, self.latched);
+        self.decide(belief, reference, measured, Pipeline::decide_once);
+    }
+
+    /// What the motors are to do: what the `law` says when armed, what the check says when checking, else
     /// nothing.
-    fn decide(&mut self, belief: Belief<f32>, reference: Reference<f32>, measured: PerAxis<f32>) {
+    #[inline(always)]
+    fn decide(
+        &mut self,
+        belief: Belief<f32>,
+        reference: Reference<f32>,
+        measured: PerAxis<f32>,
+        law: impl FnOnce(&mut Pipeline<f32>, Belief<f32>, &Reference<f32>) -> Decision<f32>,
+    ) {
         if self.is_armed() {
-            self.decision = self.accepted.pipeline.decide(belief, &reference);
+            self.decision = law(&mut self.accepted.pipeline, belief, &reference);
             // During a trial, errors are not its own alone.
-            if self.trial.is_none() {
+            if self.tick.is_multiple_of(NOTE_EVERY) && self.trial.is_none() {
                 self.accepted.note(&self.decision);
             }
             return;

@@ -24,9 +24,9 @@ pub use motion::{
 };
 
 use crate::axes::{PerAxis, PerMotor};
-use crate::estimator::Estimate;
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};
 use crate::supervisor::{Condition, Conditions};
+use core::hint::cold_path;
 use motion::Motion;
 use persistence::Persistence;
 
@@ -45,11 +45,15 @@ pub const CURRENT_TICKS: u32 = 5;
 
 /// What the rules look at in one tick.
 #[derive(Debug, Clone, Copy)]
-pub struct Observation<'a> {
+pub struct Observation {
+    /// Which tick it is.
+    pub tick: u32,
     /// \[counts\] Motion of each encoder since the last tick.
     pub moved: PerAxis<i32>,
-    /// What is believed.
-    pub estimate: &'a Estimate<f32>,
+    /// \[rad\] Estimated angles.
+    pub angle: PerAxis<f32>,
+    /// \[rad/s\] Estimated rates.
+    pub rate: PerAxis<f32>,
     /// \[V\] What acted on the motors since the last tick.
     pub applied: PerMotor<f32>,
     /// \[V\] Supply of the amplifiers.
@@ -66,8 +70,6 @@ pub struct Observation<'a> {
     pub armed: bool,
     /// The law or the check turns them.
     pub motors_may_turn: bool,
-    /// After the link was lost, the reference has come to the rest pose.
-    pub landed: bool,
     /// A message came since the last tick.
     pub heard: bool,
 }
@@ -77,7 +79,6 @@ pub struct Observation<'a> {
 pub struct Monitor {
     limits: Bounds,
     motion: Motion,
-    until_motion: u32,
     disagrees: PerAxis<bool>,
     supply: Persistence,
     current: Persistence,
@@ -127,7 +128,6 @@ impl Monitor {
                 }),
             },
             motion: Motion::new(parameters),
-            until_motion: MOTION_EVERY,
             disagrees: PerAxis::both(false),
             supply: Persistence::of(SUPPLY_TICKS),
             current: Persistence::default(),
@@ -149,28 +149,31 @@ impl Monitor {
         self.silent == self.limits.command_timeout
     }
 
-    /// What is wrong in this tick.
+    /// What is wrong in this tick. `landed`: after the link was lost, has the reference come to the rest pose?
     #[inline(always)]
-    pub fn check(&mut self, observed: &Observation<'_>) -> Conditions {
+    pub fn check(&mut self, observed: &Observation, landed: impl FnOnce() -> bool) -> Conditions {
         let b = &self.limits;
-        let state = &observed.estimate.state;
-        let jumped = observed.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
+        let Observation { angle, rate, .. } = *observed;
+        let mut jumped = PerAxis::both(false);
+        if observed.moved != PerAxis::both(0) {
+            jumped = observed.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
+            self.motion.moved(observed.moved);
+        }
         let outside = !(observed.supply >= b.supply_low && observed.supply <= b.supply_high);
-        let fast = state.rate.zip(b.rate, |rate, limit| rate.abs() > limit);
-        let steep = observed.zeroed && state.angle.pitch.abs() > b.pitch;
+        let fast = rate.zip(b.rate, |rate, limit| rate.abs() > limit);
+        let steep = observed.zeroed && angle.pitch.abs() > b.pitch;
         // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
-        let sum = (state.angle.pitch + state.angle.yaw)
-            + (state.rate.pitch + state.rate.yaw)
+        let sum = (angle.pitch + angle.yaw)
+            + (rate.pitch + rate.yaw)
             + (observed.demand.main + observed.demand.tail);
-        self.motion.moved(observed.moved);
-        self.until_motion = self.until_motion.wrapping_sub(1);
-        if self.until_motion == 0 {
-            self.until_motion = MOTION_EVERY;
+        if observed.tick % MOTION_EVERY == MOTION_EVERY - 1 {
             self.disagrees = self.motion.disagrees(observed);
         }
         self.silent = if observed.heard { 0 } else { self.silent.saturating_add(1) };
-        let timeout = if observed.armed && !observed.landed { b.flight_timeout } else { b.command_timeout };
-        let silent = observed.motors_may_turn && self.silent >= timeout;
+        let silent = self.silent >= b.command_timeout && {
+            cold_path();
+            observed.motors_may_turn && (self.silent >= b.flight_timeout || !observed.armed || landed())
+        };
         // False with a NaN.
         let steady = (observed.supply - observed.supply_before).abs() <= SUPPLY_JUMP * observed.supply_before;
         Conditions::NONE

@@ -42,7 +42,7 @@ use super::Observation;
 use super::persistence::Persistence;
 use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::Parameters;
-use crate::plant::{PlantParameters, RotorTorque, State, bilinear_decay, follow};
+use crate::plant::{PlantParameters, RotorTorque, bilinear_decay, follow};
 use crate::real::Real;
 
 /// \[s\] Time constant over which pushes and motion are compared.
@@ -150,13 +150,12 @@ impl Motion {
 
     /// Of every [`MOTION_EVERY`]th.
     #[inline(always)]
-    pub(super) fn disagrees(&mut self, observation: &Observation<'_>) -> PerAxis<bool> {
-        let state = &observation.estimate.state;
-        let (rate, applied) = (state.rate, observation.applied);
+    pub(super) fn disagrees(&mut self, observation: &Observation) -> PerAxis<bool> {
+        let Observation { angle, rate, applied, .. } = *observation;
         self.volts = follow(self.volts, applied, self.rotor_decay);
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
-        let mut accel = self.body.accel(torque, state);
-        let lies = state.angle.pitch < self.stop;
+        let mut accel = self.body.accel(torque, angle.pitch, rate);
+        let lies = angle.pitch < self.stop;
         if lies && accel.pitch < 0.0 {
             accel.pitch = 0.0;
         }
@@ -199,11 +198,11 @@ impl LinearBody {
         }
     }
 
-    /// \[rad/s²\] Of `torque` \[N m\].
+    /// \[rad/s²\] Of `torque` \[N m\], at that pitch \[rad\] and rate \[rad/s\].
     #[inline(always)]
-    fn accel(&self, torque: PerAxis<f32>, state: &State<f32>) -> PerAxis<f32> {
-        let drag = self.damping.zip(state.rate, |d, v| d * v);
-        let pull = PerAxis::new(self.weight + self.stiffness * state.angle.pitch, 0.0);
+    fn accel(&self, torque: PerAxis<f32>, pitch: f32, rate: PerAxis<f32>) -> PerAxis<f32> {
+        let drag = self.damping.zip(rate, |d, v| d * v);
+        let pull = PerAxis::new(self.weight + self.stiffness * pitch, 0.0);
         torque.minus(drag).minus(pull).zip(self.inverse_inertia, |t, i| t * i)
     }
 }

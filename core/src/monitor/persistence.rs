@@ -1,5 +1,7 @@
 //! Conditions that count only once they have held for a while.
 
+use core::hint::cold_path;
+
 /// How long something has been so without a break.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Persistence {
@@ -22,6 +24,10 @@ impl Persistence {
     /// The same, but that one good tick undoes one bad one: true once there were `limit` more bad ones.
     #[inline(always)]
     pub(super) fn over_more_often(&mut self, now: bool, limit: u32) -> bool {
+        if !now && self.ticks == 0 {
+            return false;
+        }
+        cold_path();
         self.ticks =
             if now { Ord::min(self.ticks.saturating_add(1), limit) } else { self.ticks.saturating_sub(1) };
         self.ticks >= limit

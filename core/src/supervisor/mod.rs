@@ -10,6 +10,7 @@
 //! Each tick sees exactly one [`Event`], the first that applies in the order of their declaration,
 //! and [`TRANSITIONS`] says the rest.
 
+use core::hint::cold_path;
 use serde::{Deserialize, Serialize};
 
 /// What can be wrong, by name. The number is the bit in [`Conditions`] and the number on the wire.
@@ -155,10 +156,16 @@ impl Conditions {
         Self(bits)
     }
 
-    /// This set with `condition` in it if `present`.
+    /// This set with `condition` in it if `present`, which is the exception.
+    #[inline(always)]
     #[must_use]
     pub const fn with(self, condition: Condition, present: bool) -> Self {
-        if present { Self(self.0 | condition.bit()) } else { self }
+        if present {
+            cold_path();
+            Self(self.0 | condition.bit())
+        } else {
+            self
+        }
     }
 
     /// What is in either set.
@@ -316,19 +323,23 @@ pub const TRANSITIONS: [[Next; 7]; 5] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Supervisor {
     state: ArmState,
-    /// What was present at the last step, if that changed nothing and nothing was asked: the same again
-    /// changes nothing.
-    settled: Option<Conditions>,
+    /// What was present at the last step.
+    present: Conditions,
+    /// The last step brought another state or other conditions.
+    changed: bool,
+    /// It did not, and nothing was asked: the same again changes nothing.
+    settled: bool,
 }
 
 impl Supervisor {
     /// Starts disarmed, or with the last reset's cause latched when that was no ordinary one.
     #[must_use]
     pub const fn new(reset_cause: Option<Condition>) -> Self {
-        match reset_cause {
-            None => Self { state: ArmState::Disarmed, settled: None },
-            Some(cause) => Self { state: ArmState::Fault(cause), settled: None },
-        }
+        let state = match reset_cause {
+            None => ArmState::Disarmed,
+            Some(cause) => ArmState::Fault(cause),
+        };
+        Self { state, present: Conditions::NONE, changed: false, settled: false }
     }
 
     /// The state after the last step.
@@ -337,18 +348,30 @@ impl Supervisor {
         self.state
     }
 
-    /// One tick: `present` is all that is wrong now, `request` what the operator asks. Tells whether the
-    /// state changes.
+    /// What was wrong at the last step.
     #[inline(always)]
-    pub fn step(&mut self, present: Conditions, request: Option<Request>) -> bool {
-        if request.is_none() && self.settled == Some(present) {
-            return false;
-        }
-        self.look_up(present, request)
+    #[must_use]
+    pub const fn present(&self) -> Conditions {
+        self.present
     }
 
-    #[inline(never)]
-    fn look_up(&mut self, present: Conditions, request: Option<Request>) -> bool {
+    /// Whether the last step brought another state or other conditions.
+    #[inline(always)]
+    #[must_use]
+    pub const fn has_changed(&self) -> bool {
+        self.changed
+    }
+
+    /// Whether a step with `present` and no request would change nothing, and need not be made.
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_settled(&self, present: Conditions) -> bool {
+        self.settled && self.present.0 == present.0
+    }
+
+    /// One tick: `present` is all that is wrong now, `request` what the operator asks. Tells whether the
+    /// state changes.
+    pub fn step(&mut self, present: Conditions, request: Option<Request>) -> bool {
         let before = self.state;
         let hazards = present.intersection(Conditions::HAZARDS);
         let event = event(hazards, present, request);
@@ -361,7 +384,9 @@ impl Supervisor {
             _ => before,
         };
         let changes = self.state != before;
-        self.settled = (request.is_none() && !changes).then_some(present);
+        self.changed = changes || present != self.present;
+        self.settled = request.is_none() && !self.changed;
+        self.present = present;
         changes
     }
 }

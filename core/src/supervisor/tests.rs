@@ -21,7 +21,7 @@ fn every_case() -> impl Iterator<Item = (ArmState, Option<Request>, Conditions, 
         REQUESTS.into_iter().flat_map(move |request| {
             let sets = sets.clone();
             sets.into_iter().map(move |present| {
-                let mut supervisor = Supervisor { state, settled: None };
+                let mut supervisor = Supervisor { state, ..Supervisor::default() };
                 let changes = supervisor.step(present, request);
                 assert_eq!(changes, supervisor.state() != state);
                 (state, request, present, supervisor.state())

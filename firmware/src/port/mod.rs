@@ -37,7 +37,7 @@ pub(crate) struct Sensed {
     pub(crate) supply: f32,
     /// All that is sensed is new, and the encoders are being counted.
     pub(crate) fresh: bool,
-    /// Pressed, or its cable broken, now or at any time since the last tick.
+    /// Pressed now, or its cable broken.
     pub(crate) emergency_stop: bool,
     /// The amplifiers limit the current or are at fault.
     pub(crate) current_limit: bool,

@@ -3,7 +3,6 @@
 use super::Sensed;
 use crate::boards::{self, BOARD};
 use crate::pins;
-use crate::shared::{STOP_EDGE, take};
 use embassy_stm32::adc::Adc;
 use embassy_stm32::gpio::{Flex, Input};
 use embassy_stm32::pac;
@@ -89,7 +88,7 @@ impl Senses {
         Sensed {
             supply: f32::from(code) * self.volts_per_code,
             fresh,
-            emergency_stop: pins::emergency_stop() | take(&STOP_EDGE),
+            emergency_stop: pins::emergency_stop(),
             current_limit: pins::current_limit(),
         }
     }
