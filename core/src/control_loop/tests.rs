@@ -93,6 +93,14 @@ impl Flight {
         let tried =
             trial.map(|candidate| Numbered { sequence: candidate.sequence(), message: OperatorCommand::Try });
         assert!(tried.is_none() || command.is_none(), "one command a tick");
+        self.tick_with(trial.as_ref(), tried.or(command.map(numbered)).as_ref())
+    }
+
+    fn tick_with(
+        &mut self,
+        trial: Option<&Candidate>,
+        command: Option<&Numbered<OperatorCommand>>,
+    ) -> Outputs {
         let outputs = self.control.tick(&Inputs {
             counters: self.bench.counters(),
             supply: self.supply.unwrap_or(self.bench.supply),
@@ -100,8 +108,8 @@ impl Flight {
             senses: self.senses,
             heard: self.heard,
             disarm: core::mem::take(&mut self.disarm),
-            trial: trial.as_ref(),
-            command: tried.or(command.map(numbered)).as_ref(),
+            trial,
+            command,
         });
         // It lies on a table until it is armed.
         self.bench.set_table(self.control.state() != ArmState::Armed);
