@@ -155,13 +155,20 @@ pub(crate) struct Trial {
 }
 
 impl Trial {
-    /// Begins beside `accepted`, at the end of a tick, where the rig is at `angle` \[rad\].
-    pub(crate) fn begin(candidate: &Candidate, accepted: &Accepted, angle: PerAxis<f32>) -> Self {
-        let mut candidate = *candidate;
-        candidate.pipeline.restart(angle);
-        candidate.pipeline.inherit(&accepted.pipeline, &candidate.controller, &accepted.controller);
+    /// Begins at `place` beside `accepted`, at the end of a tick, where the rig is at `angle` \[rad\].
+    pub(crate) fn begin(
+        place: &mut Option<Self>,
+        candidate: &Candidate,
+        accepted: &Accepted,
+        angle: PerAxis<f32>,
+    ) {
         let bound = accepted.worst.map(|worst| Real::max(LEAST_ERROR, ERROR_FACTOR * worst));
-        Self { candidate, phase: TrialPhase::Shadow, ticks: 0, share: 0, bound }
+        // Made where it stays: it is large, and a tick's time is dear.
+        *place = Some(Self { candidate: *candidate, phase: TrialPhase::Shadow, ticks: 0, share: 0, bound });
+        if let Some(Self { candidate, .. }) = place {
+            candidate.pipeline.restart(angle);
+            candidate.pipeline.inherit(&accepted.pipeline, &candidate.controller, &accepted.controller);
+        }
     }
 
     pub(crate) const fn phase(&self) -> TrialPhase {
@@ -254,11 +261,16 @@ impl Trial {
         self.phase == TrialPhase::FadingOut && self.share == 0
     }
 
-    /// The candidate as the accepted one, if it flies alone.
-    pub(crate) fn accept(&self) -> Option<(Accepted, Sequence)> {
-        let Candidate { pipeline, controller, sequence, .. } = self.candidate;
-        let accepted = Accepted { pipeline, controller, worst: self.bound.scaled(1.0 / ERROR_FACTOR) };
-        (self.phase == TrialPhase::Flying).then_some((accepted, sequence))
+    /// Makes the candidate the `accepted` one, if it flies alone; gives the number of the message that asked
+    /// for it.
+    pub(crate) fn accept(&self, accepted: &mut Accepted) -> Option<Sequence> {
+        if self.phase != TrialPhase::Flying {
+            return None;
+        }
+        accepted.pipeline = self.candidate.pipeline;
+        accepted.controller = self.candidate.controller;
+        accepted.worst = self.bound.scaled(1.0 / ERROR_FACTOR);
+        Some(self.candidate.sequence)
     }
 }
 

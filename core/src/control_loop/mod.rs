@@ -241,7 +241,7 @@ impl ControlLoop {
     ) {
         let asked = command.is_some_and(|command| candidate.is_asked_for_by(command));
         if asked && self.trial.is_none() && self.is_armed() {
-            self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
+            Trial::begin(&mut self.trial, candidate, &self.accepted, measured);
         }
     }
 
@@ -265,9 +265,8 @@ impl ControlLoop {
         if over {
             self.trial = None;
         } else if command == Some(&OperatorCommand::Accept)
-            && let Some((accepted, sequence)) = trial.accept()
+            && let Some(sequence) = trial.accept(&mut self.accepted)
         {
-            self.accepted = accepted;
             self.kept = Kept::Unsaved;
             self.accepted_by = Some(sequence);
             self.trial = None;

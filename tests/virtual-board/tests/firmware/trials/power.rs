@@ -50,6 +50,8 @@ fn unsaved() -> Station {
     try_out(&mut station, Attempt { fade_ms: 10, ..Attempt::new(scaled(&parameters, 0.9)) });
     await_phase(&mut station, 600, TrialPhase::Flying);
     station.send(&ToBoard::Accept(Nonce::default()));
+    // A `Disarm` forgets what waits.
+    station.run(20);
     station.request(Request::Disarm);
     station.run(50);
     station

@@ -30,10 +30,17 @@ fn the_longest_tick_of_a_trial_is_within_its_bound() {
         await_phase(&mut station, 100, TrialPhase::None);
     }
     let ticks = station.machine.with(move |board| board.ticks()[before..].to_vec());
-    let mut counts: Vec<u64> = ticks.iter().map(|tick| tick.instructions).collect();
+    let mut counts: Vec<(u64, usize)> = ticks.iter().map(|tick| tick.instructions).zip(before..).collect();
     counts.sort_unstable();
-    let (median, longest) = (counts[counts.len() / 2], counts[counts.len() - 1]);
+    let ((median, _), (longest, tick)) = (counts[counts.len() / 2], counts[counts.len() - 1]);
     println!("{median} instructions by the median, {longest} at most, in {} ticks", counts.len());
-    assert!(longest <= LONGEST, "a tick takes {longest} instructions, allowed are {LONGEST}");
+    for (n, tick) in counts.iter().rev().step_by(7).take(30) {
+        println!(
+            "{n} {:?}",
+            station.heard.frames.iter().find(|f| f.tick as usize == *tick).map(|f| (f.controller, f.taken))
+        );
+    }
+    let frame = station.heard.frames.iter().find(|frame| frame.tick as usize == tick);
+    assert!(longest <= LONGEST, "a tick takes {longest} instructions, allowed are {LONGEST}: {frame:?}");
     assert!(median > 1_500, "two controllers computed: {median}");
 }

@@ -24,6 +24,14 @@ pub(super) struct Flown {
 /// What the twin is not told.
 pub(super) type LeavesOut = fn(&ToBoard) -> bool;
 
+/// What the tick takes, or is refused.
+fn acts(message: &ToBoard) -> bool {
+    !matches!(
+        message,
+        ToBoard::Alive | ToBoard::Identify | ToBoard::Telemetry { .. } | ToBoard::ReadParameters
+    )
+}
+
 /// Of a trial.
 pub(super) fn of_a_trial(message: &ToBoard) -> bool {
     matches!(message, ToBoard::Trial(..) | ToBoard::Accept(_) | ToBoard::Revert)
@@ -52,8 +60,8 @@ impl Flown {
             .collect()
     }
 
-    /// Each message and the tick before which it came: a command's own, and what no frame tells of at about
-    /// its time, in order.
+    /// Each message and the tick before which it came: a command's own, and what is no command at about its
+    /// time, in order.
     fn schedule(&self) -> Vec<(u32, Numbered<ToBoard>)> {
         let taken = self.frames.iter().filter(|frame| frame.taken.ago < u8::MAX);
         let taken: HashMap<u16, u32> =
@@ -64,7 +72,9 @@ impl Flown {
             .iter()
             .rev()
             .map(|(about, message)| {
-                next = taken.get(&message.sequence.0).copied().unwrap_or(about + 2).min(next);
+                let own = taken.get(&message.sequence.0).copied();
+                // What was refused is told after what it was refused for.
+                next = own.unwrap_or(if acts(&message.message) { next } else { about + 2 }).min(next);
                 let here = message.message.clone().meant_for(Nonce(0));
                 (next, here.numbered(message.sequence))
             })
