@@ -11,15 +11,17 @@
 //! not finite, and when the motors go off for whatever reason.
 
 use crate::axes::{PerAxis, PerMotor};
+use crate::control_loop::OperatorCommand;
 use crate::controller::ControllerSettings;
 use crate::estimator::Belief;
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline, Settings};
 use crate::real::Real;
 use crate::reference::Reference;
-use crate::sequence::Sequence;
+use crate::sequence::{Numbered, Sequence};
 use crate::telemetry::TrialPhase;
 use crate::validate::{Invalid, require};
+use serde::{Deserialize, Serialize};
 
 /// \[ticks\] For which a candidate is a shadow.
 pub const SHADOW_TICKS: u32 = 300;
@@ -32,6 +34,49 @@ pub const LEAST_ERROR: f32 = core::f32::consts::PI / 180.0;
 pub(crate) const NOTE_EVERY: u32 = 4;
 /// What is kept of the recent worst error from one look to the next: it fades with a time constant of 32.8 s.
 const KEEP: f32 = 1.0 - 1.0 / 8_192.0;
+
+/// \[ms\] From none of the volts to all of them, unless the operator says otherwise.
+pub const FADE_MS: u32 = 100;
+/// \[ms\] That a candidate flies alone without being accepted, unless the operator says otherwise.
+pub const REVERT_MS: u32 = 30_000;
+
+/// What an operator wants tried: a controller on the rig of the parameters in force, whose model, limits and
+/// encoders stay.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Attempt {
+    /// Law, gains, filter, estimator and allocation.
+    pub controller: ControllerSettings<f32>,
+    /// \[ms\] From none of the volts to all of them, 1 to 10,000.
+    pub fade_ms: u32,
+    /// \[ms\] That it flies alone without being accepted, 1 to 600,000.
+    pub revert_ms: u32,
+}
+
+impl Attempt {
+    /// With the usual times.
+    #[must_use]
+    pub const fn new(controller: ControllerSettings<f32>) -> Self {
+        Self { controller, fade_ms: FADE_MS, revert_ms: REVERT_MS }
+    }
+
+    /// Every value in its range.
+    ///
+    /// # Errors
+    /// Names the first value that is not.
+    pub fn validate(&self) -> Result<(), Invalid<f32>> {
+        #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
+        let time = |field, time: u32, most, allowed| {
+            require(field, time as f32, (1..=most).contains(&time), allowed)
+        };
+        time("trial.fade_ms", self.fade_ms, 10_000, "1 to 10000 ms")?;
+        time("trial.revert_ms", self.revert_ms, 600_000, "1 to 600000 ms")?;
+        // Zero, or a NaN.
+        let mut sum = 0.0;
+        let _ = self.controller.map(|number| sum += 0.0 * number);
+        require("trial.controller", sum, sum.is_finite(), "finite numbers")?;
+        self.controller.validate()
+    }
+}
 
 /// A controller to be tried, made ready outside the tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,29 +91,15 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// `controller` on the rig of `parameters`: no model, limit or encoder changes. `fade` and `revert` in
-    /// ticks; `sequence` is that of the message that asks for it.
+    /// What is to be tried, on the rig of `parameters`; `sequence` is the number of the message that asks for
+    /// it.
     ///
     /// # Errors
     /// Names the first value out of its range.
-    pub fn new(
-        parameters: &Parameters,
-        controller: ControllerSettings<f32>,
-        fade: u32,
-        revert: u32,
-        sequence: Sequence,
-    ) -> Result<Self, Invalid<f32>> {
-        #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
-        let ticks = |field, ticks: u32, most, allowed| {
-            require(field, ticks as f32, (1..=most).contains(&ticks), allowed)
-        };
-        ticks("trial.fade", fade, 10_000, "1 to 10000 ms")?;
-        ticks("trial.revert", revert, 600_000, "1 to 600000 ms")?;
-        // Zero, or a NaN.
-        let mut sum = 0.0;
-        let _ = controller.map(|number| sum += 0.0 * number);
-        require("trial.controller", sum, sum.is_finite(), "finite numbers")?;
-        controller.validate()?;
+    pub fn new(parameters: &Parameters, attempt: &Attempt, sequence: Sequence) -> Result<Self, Invalid<f32>> {
+        attempt.validate()?;
+        // A tick is a millisecond.
+        let Attempt { controller, fade_ms: fade, revert_ms: revert } = *attempt;
         let settings = Settings { controller, ..parameters.settings };
         let pipeline = Pipeline::new(&settings, PerAxis::zero());
         Ok(Self { sequence, controller, pipeline, fade, revert })
@@ -78,6 +109,12 @@ impl Candidate {
     #[must_use]
     pub const fn sequence(&self) -> Sequence {
         self.sequence
+    }
+
+    /// Whether `command` is to try it.
+    #[must_use]
+    pub fn is_asked_for_by(&self, command: &Numbered<OperatorCommand>) -> bool {
+        command.message == OperatorCommand::Try && command.sequence == self.sequence
     }
 }
 
@@ -118,13 +155,20 @@ pub(crate) struct Trial {
 }
 
 impl Trial {
-    /// Begins beside `accepted`, at the end of a tick, where the rig is at `angle` \[rad\].
-    pub(crate) fn begin(candidate: &Candidate, accepted: &Accepted, angle: PerAxis<f32>) -> Self {
-        let mut candidate = *candidate;
-        candidate.pipeline.restart(angle);
-        candidate.pipeline.inherit(&accepted.pipeline, &candidate.controller, &accepted.controller);
+    /// Begins at `place` beside `accepted`, at the end of a tick, where the rig is at `angle` \[rad\].
+    pub(crate) fn begin(
+        place: &mut Option<Self>,
+        candidate: &Candidate,
+        accepted: &Accepted,
+        angle: PerAxis<f32>,
+    ) {
         let bound = accepted.worst.map(|worst| Real::max(LEAST_ERROR, ERROR_FACTOR * worst));
-        Self { candidate, phase: TrialPhase::Shadow, ticks: 0, share: 0, bound }
+        // Made where it stays: it is large, and a tick's time is dear.
+        *place = Some(Self { candidate: *candidate, phase: TrialPhase::Shadow, ticks: 0, share: 0, bound });
+        if let Some(Self { candidate, .. }) = place {
+            candidate.pipeline.restart(angle);
+            candidate.pipeline.inherit(&accepted.pipeline, &candidate.controller, &accepted.controller);
+        }
     }
 
     pub(crate) const fn phase(&self) -> TrialPhase {
@@ -217,11 +261,16 @@ impl Trial {
         self.phase == TrialPhase::FadingOut && self.share == 0
     }
 
-    /// The candidate as the accepted one, if it flies alone.
-    pub(crate) fn accept(&self) -> Option<(Accepted, Sequence)> {
-        let Candidate { pipeline, controller, sequence, .. } = self.candidate;
-        let accepted = Accepted { pipeline, controller, worst: self.bound.scaled(1.0 / ERROR_FACTOR) };
-        (self.phase == TrialPhase::Flying).then_some((accepted, sequence))
+    /// Makes the candidate the `accepted` one, if it flies alone; gives the number of the message that asked
+    /// for it.
+    pub(crate) fn accept(&self, accepted: &mut Accepted) -> Option<Sequence> {
+        if self.phase != TrialPhase::Flying {
+            return None;
+        }
+        accepted.pipeline = self.candidate.pipeline;
+        accepted.controller = self.candidate.controller;
+        accepted.worst = self.bound.scaled(1.0 / ERROR_FACTOR);
+        Some(self.candidate.sequence)
     }
 }
 

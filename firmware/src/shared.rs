@@ -40,6 +40,8 @@ pub(crate) static FRAMES_DROPPED: AtomicU32 = AtomicU32::new(0);
 pub(crate) static TICK_COUNTS_MAX: AtomicU32 = AtomicU32::new(0);
 /// Ticks since boot.
 pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
+/// [`twinrotor::control_loop::Status`] as a word, whenever it may have changed.
+pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
 /// What the LED shows, as its own file says.
 pub(crate) static LED_PATTERN: AtomicU8 = AtomicU8::new(0);
 

@@ -5,9 +5,9 @@ use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
     CHANGES, Change, Commands, FRAME_EVERY, FRAMES, FRAMES_DROPPED, Flag, Flags, LED_PATTERN, Reports,
-    TICK_COUNTS_MAX, TICKS, VERDICTS,
+    STATUS, TICK_COUNTS_MAX, TICKS, VERDICTS,
 };
-use crate::{led, wake, watchdog};
+use crate::{led, slot, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -115,6 +115,13 @@ pub(crate) fn adopt(parameters: &Parameters, _: &TickAside) {
     let control = unsafe { (*CONTROL.0.get()).assume_init_mut() };
     control.core.adopt(parameters);
     control.standing = control.board;
+    tell_status(control);
+}
+
+/// Where the loop stands, for the thread.
+#[inline(never)]
+fn tell_status(control: &Control) {
+    STATUS.store(control.core.status().to_word(), Ordering::Release);
 }
 
 #[interrupt]
@@ -159,6 +166,7 @@ impl<P: PlantPort> Tick<P> {
         let flags = Flags::take();
         let disarm = flags.contain(Flag::Disarm);
         let command = commands::next(&mut self.commands, disarm);
+        let trying = control.core.is_trying();
         let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -171,12 +179,16 @@ impl<P: PlantPort> Tick<P> {
                 .with(Condition::StackGuard, flags.contain(Flag::StackLow)),
             heard: flags.contain(Flag::Heard),
             disarm,
-            trial: None,
+            trial: if command.is_some() { slot::peek() } else { None },
             command,
         });
         self.port.write(outputs.duty, outputs.enable);
-        if command.is_some() {
-            commands::done(&mut self.commands);
+        if trying | disarm | command.is_some() {
+            slot::settle(command, disarm);
+            if command.is_some() {
+                commands::done(&mut self.commands);
+            }
+            tell_status(control);
         }
         if let Some(verdict) = outputs.verdict {
             // There is one verdict a check, and checks take seconds: there is room.
@@ -205,6 +217,7 @@ impl<P: PlantPort> Tick<P> {
     fn tell_change(&mut self, control: &Control) {
         let (tick, state) = (control.core.next_tick(), control.core.state());
         LED_PATTERN.store(led::pattern(state, control.board), Ordering::Relaxed);
+        tell_status(control);
         let _ = self.changes.enqueue(Change { tick, state, conditions: control.core.conditions() });
     }
 }

@@ -1,5 +1,9 @@
 //! The tick of the board, as a list of verbs; the arithmetic is in the steps it calls.
 
+mod status;
+
+pub use status::Status;
+
 use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
@@ -12,7 +16,7 @@ use crate::pipeline::{Decision, Pipeline};
 use crate::plant::State;
 use crate::real::Real;
 use crate::reference::Reference;
-use crate::sequence::Numbered;
+use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
 use crate::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
 use crate::trial::{Accepted, Candidate, NOTE_EVERY, Trial};
@@ -48,6 +52,8 @@ pub struct ControlLoop {
     accepted: Accepted,
     rest_counts: PerAxis<i32>,
     check: FirstPowerCheck,
+    /// Number of the message that asked for the accepted controller, unless it is the record's.
+    accepted_by: Option<Sequence>,
     trial: Option<Trial>,
 }
 
@@ -66,7 +72,7 @@ pub struct Inputs<'a> {
     pub heard: bool,
     /// The operator wants the motors off. Goes before `command`, which is forgotten.
     pub disarm: bool,
-    /// A controller to be tried, while armed and while none is.
+    /// The controller that an [`OperatorCommand::Try`] is about.
     pub trial: Option<&'a Candidate>,
     /// What else the operator wants, if anything new.
     pub command: Option<&'a Numbered<OperatorCommand>>,
@@ -81,6 +87,9 @@ pub enum OperatorCommand {
     Setpoint(Reference<f32>),
     /// To take where the rig lies now, motors off and still, for its rest pose.
     Zero,
+    /// To try the controller that [`Inputs::trial`] then is, if its number is the command's: while armed, and
+    /// while none is tried.
+    Try,
     /// To keep the controller that is being tried, once it flies alone.
     Accept,
     /// To go back to the accepted controller.
@@ -125,6 +134,7 @@ impl ControlLoop {
             },
             trial: None,
             kept: Kept::Stored,
+            accepted_by: None,
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters.limits.check),
@@ -205,6 +215,36 @@ impl ControlLoop {
         InForce { accepted: self.kept, trial, blend }
     }
 
+    /// A controller is being tried.
+    #[inline(always)]
+    pub fn is_trying(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// What the conversation must know.
+    pub fn status(&self) -> Status {
+        Status {
+            armed: self.is_armed(),
+            flash_may_be_written: self.state().lets_flash_be_written(),
+            trial: self.trial.as_ref().map_or(TrialPhase::None, Trial::phase),
+            accepted: self.accepted_by,
+        }
+    }
+
+    /// Begins to try `candidate`, if `command` asks for it.
+    #[inline(never)]
+    fn begin_trying(
+        &mut self,
+        candidate: &Candidate,
+        command: Option<&Numbered<OperatorCommand>>,
+        measured: PerAxis<f32>,
+    ) {
+        let asked = command.is_some_and(|command| candidate.is_asked_for_by(command));
+        if asked && self.trial.is_none() && self.is_armed() {
+            Trial::begin(&mut self.trial, candidate, &self.accepted, measured);
+        }
+    }
+
     /// A trial's part of the tick.
     #[inline(never)]
     fn go_on_trying(
@@ -225,10 +265,10 @@ impl ControlLoop {
         if over {
             self.trial = None;
         } else if command == Some(&OperatorCommand::Accept)
-            && let Some((accepted, _)) = trial.accept()
+            && let Some(sequence) = trial.accept(&mut self.accepted)
         {
-            self.accepted = accepted;
             self.kept = Kept::Unsaved;
+            self.accepted_by = Some(sequence);
             self.trial = None;
         }
     }
@@ -273,8 +313,9 @@ impl ControlLoop {
             let Reference { angle, rate, accel } = reference;
             self.go_on_trying(belief, &Reference { angle, rate, accel }, command);
         }
-        if let (Some(candidate), None, true) = (inputs.trial, &self.trial, self.is_armed()) {
-            self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
+        if let Some(candidate) = inputs.trial {
+            cold_path();
+            self.begin_trying(candidate, inputs.command, measured);
         }
         self.supply = inputs.supply;
         // Never below what is allowed: a supply read too low would give the motors more than they should

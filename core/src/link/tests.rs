@@ -1,7 +1,14 @@
 use super::*;
 use crate::SAMPLE_TIME;
+use crate::allocation::{AllocationSettings, CurrentLimitSettings};
 use crate::axes::{PerAxis, PerMotor};
+use crate::command_filter::FilterSettings;
+use crate::controller::ControllerSettings;
+use crate::estimator::{EstimatorSettings, ObserverGains};
 use crate::gains;
+use crate::law::{LawSettings, StateFeedbackGains};
+use crate::lead::Lead;
+use crate::parameters::LostLink;
 use crate::pipeline::Settings;
 use crate::plant::presets;
 use crate::supervisor::{ArmState, Conditions};
@@ -45,6 +52,14 @@ fn message() -> impl Strategy<Value = ToBoard> {
                 })
             }
         ),
+        any::<u32>().prop_map(|nonce| ToBoard::Accept(Nonce(nonce))),
+        any::<u32>().prop_map(|nonce| ToBoard::Save(Nonce(nonce))),
+        Just(ToBoard::Revert),
+        (any::<[u32; 3]>(), number()).prop_map(|([nonce, fade_ms, revert_ms], gain)| {
+            let controller = parameters().settings.controller;
+            let controller = ControllerSettings { law: controller.law.map(|_| gain), ..controller };
+            ToBoard::Trial(Nonce(nonce), Attempt { controller, fade_ms, revert_ms })
+        }),
         (any::<u32>(), number()).prop_map(|(nonce, gain)| {
             let mut parameters = parameters();
             parameters.settings.model.damping.yaw = gain;
@@ -145,6 +160,52 @@ fn another_version_is_named() {
     let told = |found| LinkError::Version { found }.to_string();
     assert!(told(VERSION + 1).ends_with("update this program"));
     assert!(told(VERSION - 1).ends_with("update the board's firmware"));
+}
+
+/// The controller with the most numbers, and every whole number at its longest: as a record to be written, as
+/// one that is read, as one that is tried.
+#[test]
+fn the_longest_record_and_the_longest_trial_fit() {
+    let axes = PerAxis::both(1.2345);
+    let motors = PerMotor::both(axes);
+    let mut longest = parameters();
+    let settings = &mut longest.settings;
+    settings.current_limit =
+        Some(CurrentLimitSettings { resistance: 1.0, back_emf: 1.0, peak: 1.0, continuous: 1.0 });
+    settings.controller = ControllerSettings {
+        law: LawSettings::StateFeedback(StateFeedbackGains {
+            angle: motors,
+            rate: motors,
+            integral: motors,
+            integral_limit: 1.0,
+            feed_forward: true,
+        }),
+        estimator: EstimatorSettings::Observer {
+            gains: PerAxis::both(ObserverGains { angle: 1.0, rate: 1.0, disturbance: 1.0 }),
+        },
+        filter: Some(FilterSettings {
+            bandwidth: axes,
+            damping: Some(axes),
+            advance: Some(axes),
+            reach: Some(axes),
+        }),
+        allocation: AllocationSettings::Weighted { pitch_weight: 1.0 },
+        lead: Some(Lead { factor: 1.0 }),
+        cancellation: Some(axes),
+    };
+    longest.encoders.pitch.rest_counts = i32::MIN;
+    longest.encoders.yaw.rest_counts = i32::MIN;
+    longest.limits.command_timeout = u32::MAX;
+    longest.limits.lost_link = LostLink::Hold { ticks: u32::MAX };
+    let attempt = Attempt { controller: longest.settings.controller, fade_ms: u32::MAX, revert_ms: u32::MAX };
+    for message in
+        [ToBoard::WriteParameters(Nonce(u32::MAX), longest), ToBoard::Trial(Nonce(u32::MAX), attempt)]
+    {
+        let message = message.numbered(Sequence(u16::MAX));
+        assert_eq!(feed(&mut Decoder::new(), &framed(&message)), [Ok(message)]);
+    }
+    let answer = ToHost::Parameters(longest);
+    assert_eq!(feed::<ToHost>(&mut Decoder::new(), &framed(&answer)), [Ok(answer)]);
 }
 
 #[test]

@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use twinrotor::axes::PerAxis;
-use twinrotor::link::ToBoard;
+use twinrotor::link::{Decoder, ToBoard};
 use twinrotor::replay::{Replayed, Sample};
+use twinrotor::sequence::Numbered;
 use twinrotor::supervisor::{ArmState, Request};
 use twinrotor_station::{Answer, Client, Event, Heard, Question};
 
@@ -20,6 +21,9 @@ pub struct Station {
     pub heard: Heard,
     /// Whether to tell the board ten times a second that somebody is there.
     pub attentive: bool,
+    /// What was said to it so far, each with the tick of the last frame that had come by then.
+    pub said: Vec<(u32, Numbered<ToBoard>)>,
+    decoder: Decoder,
     client: Client,
     /// \[ms\] That the board has run.
     now: u64,
@@ -33,6 +37,8 @@ impl Station {
             machine,
             heard: Heard::default(),
             attentive: true,
+            said: Vec::new(),
+            decoder: Decoder::new(),
             client: Client::new(),
             now: 0,
             answer: None,
@@ -74,6 +80,9 @@ impl Station {
 
     fn say(&mut self) {
         let bytes = self.client.take_outgoing();
+        let tick = self.heard.frames.last().map_or(0, |frame| frame.tick);
+        let said = bytes.iter().filter_map(|&byte| self.decoder.push(byte)?.ok());
+        self.said.extend(said.map(|message| (tick, message)));
         if !bytes.is_empty() {
             self.machine.say(&bytes);
         }

@@ -30,6 +30,8 @@ pub enum Question {
     Read,
     /// Keep these, which are then read back and compared.
     Write(Box<Parameters>),
+    /// Keep the accepted controller; what is kept is then read back.
+    Save,
     /// What do estimator and law make of these ticks, from sample 0 on in order?
     Replay(Vec<Sample>),
 }
@@ -39,7 +41,7 @@ pub enum Question {
 pub enum Answer {
     /// Who is there.
     Identity(Identity),
-    /// The parameters in force, those just written too.
+    /// The parameters in force, those just written or saved too.
     Parameters(Box<Parameters>),
     /// A tick for each sample.
     Replayed(Vec<Replayed>),
@@ -164,6 +166,7 @@ impl Client {
             Question::Write(parameters) => {
                 self.send(&ToBoard::WriteParameters(Nonce::default(), **parameters));
             }
+            Question::Save => self.send(&ToBoard::Save(Nonce::default())),
             Question::Replay(samples) => self.send_samples(samples),
         }
         self.pending = Some(Pending { question, replayed: Vec::new(), deadline: now + PATIENCE });
@@ -229,10 +232,10 @@ impl Client {
     fn take(&mut self, mut pending: Pending, message: &ToHost, now: Duration) -> Option<Outcome<Answer>> {
         match (&pending.question, message) {
             (Question::Identify, ToHost::Identity(identity)) => return Some(of_our_version(identity)),
-            (Question::Read, ToHost::Parameters(parameters)) => {
+            (Question::Read | Question::Save, ToHost::Parameters(parameters)) => {
                 return Some(Ok(Answer::Parameters(Box::new(*parameters))));
             }
-            (Question::Write(_), ToHost::Saved) => {
+            (Question::Write(_) | Question::Save, ToHost::Saved) => {
                 self.send(&ToBoard::ReadParameters);
                 pending.deadline = now + PATIENCE;
             }
@@ -254,7 +257,7 @@ impl Client {
                     self.send_samples(&samples[done..]);
                 }
             }
-            (Question::Write(_) | Question::Replay(_), ToHost::Refused(refusal)) => {
+            (Question::Write(_) | Question::Save | Question::Replay(_), ToHost::Refused(refusal)) => {
                 return Some(Err(Error::Failed(explained(refusal))));
             }
             _ => {}
@@ -276,7 +279,8 @@ fn of_our_version(identity: &Identity) -> Outcome<Answer> {
     )))
 }
 
-fn explained(refusal: &Refusal) -> String {
+/// What a refusal means, and what to do about it, in a sentence.
+pub fn explained(refusal: &Refusal) -> String {
     match refusal {
         Refusal::MotorsMayTurn => {
             "the board keeps parameters only while disarmed: disarm it and clear its fault".to_owned()
@@ -292,6 +296,16 @@ fn explained(refusal: &Refusal) -> String {
         }
         Refusal::Flash => "the board's flash did not hold what was written".to_owned(),
         Refusal::Range { field, allowed } => format!("the board refuses {field}; allowed: {allowed}"),
+        Refusal::NotArmed => "a controller is tried in flight: arm the board first".to_owned(),
+        Refusal::TrialUnderWay => {
+            "the board tries one controller at a time: accept the last one or take it back".to_owned()
+        }
+        Refusal::NothingToAccept => {
+            "no controller that is being tried flies alone now: there is nothing to accept".to_owned()
+        }
+        Refusal::TooOften { least } => {
+            format!("the board's line carries a frame every {least} ms, no more often")
+        }
     }
 }
 

@@ -5,11 +5,13 @@ use twinrotor::axes::PerAxis;
 use twinrotor::monitor::CURRENT_TICKS;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition, Request};
+use twinrotor::telemetry::InForce;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Live;
 use virtual_board::record;
 use virtual_board::station::Station;
 
+use super::trials::{trying, trying_with};
 use super::{board_with, both, flying, flying_with, make_ready, paper_parameters};
 
 /// The tick in which the fault came, and its cause.
@@ -32,13 +34,14 @@ pub(super) fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
     until_then.saturating_sub(fault as usize)
 }
 
-/// Brings a hazard about while flying, with the paper's law and with the built-in controller, and checks all
-/// that must follow. `within` is its rule's time \[ticks\].
+/// Brings a hazard about while flying, with the paper's law, with the built-in controller and while another
+/// is tried, and checks all that must follow. `within` is its rule's time \[ticks\].
 #[track_caller]
 fn expect(cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
     for (rig, parameters) in both() {
         expect_of(&mut flying_with(&rig, &parameters), cause, within, &hazard);
     }
+    expect_of(&mut trying(), cause, within, &hazard);
 }
 
 #[track_caller]
@@ -61,6 +64,8 @@ pub(super) fn expect_of(station: &mut Station, cause: Condition, within: u32, ha
         state => state == Some(ArmState::Fault(cause)),
     };
     assert!(latched, "a fault stays until it is cleared: {}", station.heard.summary());
+    let last = station.heard.frames.last().expect("frames");
+    assert_eq!(last.controller, InForce::default(), "no trial outlives a fault");
 }
 
 pub(super) fn with_rig(station: &mut Station, act: impl FnOnce(&mut Helicopter) + Send + 'static) {
@@ -135,12 +140,10 @@ fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
         (Condition::YawMotion, |heli| heli.faults().encoder_reversed.yaw = true),
     ];
     for (cause, spoil) in cases {
-        for (rig, parameters) in both() {
-            expect_of(&mut flying_with(&rig, &parameters), cause, 1_000, |station| {
-                with_rig(station, spoil);
-                station.aim(PerAxis::new(-0.3, -1.5));
-            });
-        }
+        expect(cause, 1_000, |station| {
+            with_rig(station, spoil);
+            station.aim(PerAxis::new(-0.3, -1.5));
+        });
     }
 }
 
@@ -160,6 +163,11 @@ fn a_rate_beyond_the_envelope() {
             with_rig(station, |heli| heli.faults().drift.pitch = 3)
         });
     }
+    let (rig, mut parameters) = record::tuned(record::BUILT_IN);
+    parameters.limits.rate.pitch = 2.0;
+    expect_of(&mut trying_with(&rig, &parameters), Condition::RateEnvelope, 100, |station| {
+        with_rig(station, |heli| heli.faults().drift.pitch = 3)
+    });
 }
 
 #[test]

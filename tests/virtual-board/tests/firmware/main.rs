@@ -10,6 +10,7 @@ mod proofs;
 mod replay;
 mod resets;
 mod timing;
+mod trials;
 
 use std::sync::OnceLock;
 
