@@ -1,14 +1,21 @@
 //! The operator's end of Twinrotor's link, without a line of its own: a client that takes bytes and the time
-//! and gives events and bytes ([`client`]), what a board has said so far ([`heard`]), parameters as an
-//! image of a board's flash ([`image`]), and a board that is simulated with its rig ([`simulated`]).
+//! and gives events and bytes ([`client`]), what a board has said so far ([`heard`]) and what that means
+//! ([`words`]), a whole session from connecting to disarmed ([`session`]) that ends with the motors seen off
+//! ([`switch_off`]), in what two records differ ([`differences`]), parameters as an image of a board's flash
+//! ([`image`]), and a board that is simulated with its rig ([`simulated`]).
 
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare bits"))]
 
 pub mod client;
+pub mod differences;
 pub mod heard;
 pub mod image;
+pub mod session;
 pub mod simulated;
+pub mod switch_off;
+pub mod words;
 
 pub use client::{Answer, Client, Event, Question};
 pub use heard::Heard;
+pub use session::Session;
 pub use simulated::SimulatedBoard;

@@ -4,6 +4,7 @@ use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::conversation::{self, Action, Conversation};
 use twinrotor::gains;
+use twinrotor::link::Refusal;
 use twinrotor::parameters::Provenance;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;

@@ -1,0 +1,406 @@
+//! An operator's session with a board, from connecting to disarmed, without I/O: bytes and time go in, bytes,
+//! events and wishes come out.
+//!
+//! The steps, in order: who is there, is it free, clear its fault, compare what it flies with, write that if
+//! wanted, the first-power check if it is due, zero, arm, up to level, the legs of the plan, down to the rest
+//! pose, motors off. Those on the ground are in `ground.rs`, those with the motors on in `air.rs`. Whatever
+//! ends a session whose motors may turn, the last that it says is `Disarm`, until the board says that they
+//! are off, or has not for three seconds ([`SwitchOff`]).
+
+mod air;
+mod clock;
+mod course;
+mod ground;
+#[cfg(test)]
+mod tests;
+
+use crate::client::{self, Answer, Client, Question};
+use crate::differences::Difference;
+use crate::switch_off::SwitchOff;
+use crate::words;
+use air::Leave;
+use clock::Clock;
+use course::Course;
+use std::collections::VecDeque;
+use std::time::Duration;
+use twinrotor::control_loop::OperatorCommand;
+use twinrotor::link::{Health, Identity, Nonce, ToBoard, ToHost};
+use twinrotor::parameters::Parameters;
+use twinrotor::reference::Reference;
+use twinrotor::sequence::{Numbered, Sequence};
+use twinrotor::supervisor::Request;
+use twinrotor::telemetry::Frame;
+use twinrotor_sim::Outcome;
+
+/// How long a board may say nothing at all.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// What is to be done with a board.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// What it should fly with.
+    pub parameters: Parameters,
+    /// What is done about a board that has other ones.
+    pub write: Write,
+    /// Ask before anything turns or is moved by hand.
+    pub ask: bool,
+    /// \[ticks\] From frame to frame.
+    pub frame_every: u16,
+    /// What to fly, one after the other, each from level.
+    pub legs: Vec<Leg>,
+}
+
+/// What is done about a board with other parameters than are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Write {
+    /// The session ends.
+    Never,
+    /// The operator is asked.
+    Ask,
+    /// They are written.
+    Always,
+}
+
+/// A part of a flight.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Leg {
+    /// These references, a tick each, from level.
+    Fly(Vec<Reference<f32>>),
+}
+
+/// What a session needs the operator's word for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Wish {
+    /// To write the parameters that are asked for over those of the board.
+    Write,
+    /// To run the first-power check.
+    Check,
+    /// To have the rig lie still in its rest pose.
+    Rest,
+    /// To turn the motors.
+    Arm,
+}
+
+/// What a session has to tell.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time, and soon read")]
+pub enum Event {
+    /// A step, in a word, and what came of it.
+    Step(&'static str, String),
+    /// What the board has otherwise than is asked for.
+    Differs(Vec<Difference>),
+    /// It waits for [`Session::answer`].
+    Asks(Wish),
+    /// A tick of the board.
+    Frame(Frame),
+    /// How the board is.
+    Health(Health),
+    /// A leg has begun in that tick: its first setpoint was taken.
+    Begins {
+        /// Of the plan's legs, counted from 0.
+        leg: usize,
+        /// The board's.
+        tick: u32,
+    },
+    /// It is over.
+    Over(End),
+}
+
+/// How a session ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct End {
+    /// Why.
+    pub ending: Ending,
+    /// What became of the motors.
+    pub motors: Motors,
+}
+
+/// Why a session ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Ending {
+    /// All was flown.
+    Flown,
+    /// It could not go on.
+    Trouble(String),
+    /// The board ended the flight.
+    Stopped(String),
+    /// It was to end.
+    Interrupted,
+}
+
+/// What became of the motors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motors {
+    /// Nothing was ever said that turns them.
+    NeverTurned,
+    /// The board has said that they are off.
+    SeenOff,
+    /// It was told to, and has not said so.
+    NotSeenOff,
+}
+
+/// Where a session stands.
+#[derive(Debug)]
+enum Phase {
+    Finding,
+    Looking,
+    Clearing { until: Duration },
+    Reading,
+    Writing,
+    Settling { until: Duration },
+    Checking { begun: bool },
+    Zeroing { sequence: Sequence, again: Duration, until: Duration },
+    Waiting { until: Duration },
+    Arming { until: Duration },
+    Rising(Leave),
+    Flying { leg: usize, course: Course, begin: Begin },
+    Descending { course: Course, from: u32 },
+    Off { off: SwitchOff, ending: Ending },
+    Asking(Wish),
+    Over,
+}
+
+/// When a leg's first setpoint came to bear.
+#[derive(Debug, Clone, Copy)]
+enum Begin {
+    /// Its number, and in which tick it should.
+    Said(Sequence, u32),
+    In(u32),
+}
+
+/// A session. Time is any that does not run backwards.
+#[derive(Debug)]
+pub struct Session {
+    client: Client,
+    plan: Plan,
+    phase: Phase,
+    clock: Clock,
+    events: VecDeque<Event>,
+    identity: Option<Identity>,
+    frame: Option<Frame>,
+    heard: Duration,
+    /// Something was said that may turn a motor.
+    turns: bool,
+    /// The operator has agreed to writing.
+    may_write: bool,
+    /// The first-power check has just been passed, which is to be kept.
+    passed: bool,
+    asked_to_arm: bool,
+    said: Vec<Numbered<OperatorCommand>>,
+    noise: usize,
+    echo: client::Echo,
+}
+
+impl Session {
+    /// Begins at once.
+    pub fn new(plan: Plan, now: Duration) -> Self {
+        let mut client = Client::new();
+        client.resynchronise();
+        client.ask(Question::Identify, now);
+        let mut clock = Clock::default();
+        clock.tell(now);
+        Self {
+            client,
+            plan,
+            phase: Phase::Finding,
+            clock,
+            events: VecDeque::new(),
+            identity: None,
+            frame: None,
+            heard: now,
+            turns: false,
+            may_write: false,
+            passed: false,
+            asked_to_arm: false,
+            said: Vec::new(),
+            noise: 0,
+            echo: client::Echo::default(),
+        }
+    }
+
+    /// Takes what came over the line by `now`.
+    pub fn push(&mut self, bytes: &[u8], now: Duration) {
+        self.clock.tell(now);
+        self.echo.hear(bytes);
+        for event in self.client.push(bytes, self.clock.now()) {
+            match event {
+                _ if self.is_over() => {}
+                client::Event::Damaged => self.noise += 1,
+                client::Event::Answered(outcome) => self.answered(outcome),
+                client::Event::Message(message) => self.take(message),
+            }
+        }
+        self.go_on();
+    }
+
+    /// Does what is due by `now`.
+    pub fn poll(&mut self, now: Duration) {
+        let now = self.clock.tell(now);
+        if let Some(client::Event::Answered(outcome)) = self.client.poll(now) {
+            self.answered(outcome);
+        }
+        let waits_for_flash = matches!(self.phase, Phase::Finding | Phase::Writing | Phase::Off { .. });
+        if !waits_for_flash && !self.is_over() && now >= self.heard + SILENCE {
+            self.end(Ending::Trouble("the board has fallen silent".to_owned()));
+        }
+        self.go_on();
+    }
+
+    /// What is to be sent; it is forgotten here.
+    pub fn take_outgoing(&mut self) -> Vec<u8> {
+        let bytes = self.client.take_outgoing();
+        self.echo.say(&bytes);
+        bytes
+    }
+
+    /// What there is to tell, in order.
+    pub fn event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// When [`Session::poll`] has something to do next, for all that it knows now, by its host's clock.
+    pub fn due(&self) -> Duration {
+        let due = match &self.phase {
+            Phase::Off { off, .. } => off.due().min(self.client.due()),
+            _ => self.client.due(),
+        };
+        self.clock.host(due)
+    }
+
+    /// It has ended: nothing more is to be sent.
+    pub const fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Over)
+    }
+
+    /// The operator's commands so far, with their numbers: what a flight can be computed once more from.
+    pub fn said(&self) -> &[Numbered<OperatorCommand>] {
+        &self.said
+    }
+
+    /// The operator agrees to what was asked, or does not.
+    pub fn answer(&mut self, agrees: bool) {
+        let Phase::Asking(wish) = &self.phase else { return };
+        let wish = wish.clone();
+        if agrees {
+            self.granted(&wish);
+        } else {
+            self.end(Ending::Trouble("not agreed to: nothing was done".to_owned()));
+        }
+    }
+
+    /// Ends it, motors off first. A second time it changes nothing.
+    pub fn stop(&mut self, ending: Ending) {
+        self.end(ending);
+        self.go_on();
+    }
+
+    fn end(&mut self, ending: Ending) {
+        if matches!(self.phase, Phase::Off { .. } | Phase::Over) {
+            return;
+        }
+        if self.turns {
+            self.phase = Phase::Off { off: SwitchOff::new(self.clock.now()), ending };
+        } else {
+            self.over(End { ending, motors: Motors::NeverTurned });
+        }
+    }
+
+    fn over(&mut self, end: End) {
+        self.phase = Phase::Over;
+        self.events.push_back(Event::Over(end));
+    }
+
+    fn trouble(&mut self, why: impl Into<String>) {
+        self.end(Ending::Trouble(why.into()));
+    }
+
+    fn step(&mut self, name: &'static str, what: impl Into<String>) {
+        self.events.push_back(Event::Step(name, what.into()));
+    }
+
+    /// Says a command, and keeps it with its number.
+    fn command(&mut self, command: OperatorCommand) -> Sequence {
+        let nonce = Nonce::default();
+        let message = match command {
+            OperatorCommand::Request(Request::Arm) => ToBoard::Arm(nonce),
+            OperatorCommand::Request(Request::Check) => ToBoard::Check(nonce),
+            OperatorCommand::Request(Request::ClearFault) => ToBoard::ClearFault(nonce),
+            OperatorCommand::Request(Request::Disarm) => ToBoard::Disarm,
+            OperatorCommand::Setpoint(setpoint) => ToBoard::Setpoint(setpoint),
+            OperatorCommand::Zero => ToBoard::Zero,
+            OperatorCommand::Accept | OperatorCommand::Revert => return Sequence::default(),
+        };
+        self.turns |= matches!(command, OperatorCommand::Request(Request::Arm | Request::Check));
+        // The board has said who it is before anything is commanded.
+        let sequence = self.client.send(&message).unwrap_or_default();
+        self.said.push(Numbered { sequence, message: command });
+        sequence
+    }
+
+    fn answered(&mut self, outcome: Outcome<Answer>) {
+        if matches!(self.phase, Phase::Off { .. } | Phase::Over) {
+            return;
+        }
+        match outcome {
+            Ok(Answer::Identity(identity)) => self.found(identity),
+            Ok(Answer::Parameters(kept)) => self.has(&kept),
+            Ok(Answer::Replayed(_)) => {}
+            Err(error) => {
+                let why = self.unheard().unwrap_or_else(|| error.to_string());
+                self.trouble(why);
+            }
+        }
+    }
+
+    fn take(&mut self, message: ToHost) {
+        match message {
+            ToHost::Frame(frame) => self.hear(frame),
+            ToHost::Health(health) => self.events.push_back(Event::Health(health)),
+            ToHost::Identity(identity) => self.meet_again(&identity),
+            ToHost::Verdict(verdict) => self.checked(verdict),
+            // Asked for again soon.
+            ToHost::Refused(twinrotor::link::Refusal::Busy) => {}
+            ToHost::Refused(refusal) if self.identity.is_some() => self.trouble(words::refusal(&refusal)),
+            ToHost::Refused(_) | ToHost::Parameters(_) | ToHost::Saved | ToHost::Replayed(_) => {}
+        }
+    }
+
+    fn hear(&mut self, frame: Frame) {
+        self.heard = self.clock.board(frame.tick);
+        self.frame = Some(frame);
+        self.events.push_back(Event::Frame(frame));
+        if let Phase::Off { off, .. } = &mut self.phase {
+            off.hear(&frame);
+        }
+        self.look(&frame);
+    }
+
+    /// The same board, or one that has begun anew since.
+    fn meet_again(&mut self, identity: &Identity) {
+        let Some(known) = &self.identity else { return };
+        if known.nonce == identity.nonce {
+            return;
+        }
+        let cause = identity.reset.as_ref().map_or_else(|| "it does not say why".to_owned(), words::reset);
+        let why = format!("the board was reset: {cause}");
+        self.end(if self.turns { Ending::Stopped(why) } else { Ending::Trouble(why) });
+    }
+
+    /// Whatever the present phase has to do by now.
+    fn go_on(&mut self) {
+        let now = self.clock.now();
+        if let Phase::Off { off, ending } = &mut self.phase {
+            if off.say(now) {
+                self.client.send(&ToBoard::Disarm);
+            }
+            if off.is_over(now) {
+                let motors = if off.is_seen() { Motors::SeenOff } else { Motors::NotSeenOff };
+                let ending = ending.clone();
+                self.over(End { ending, motors });
+            }
+            return;
+        }
+        self.go_on_on_the_ground(now);
+        self.go_on_in_the_air(now);
+    }
+}
