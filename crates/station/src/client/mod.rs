@@ -169,9 +169,7 @@ impl Client {
         let message = match &question {
             Question::Identify => Some(ToBoard::Identify),
             Question::Read => Some(ToBoard::ReadParameters),
-            Question::Write(parameters) => {
-                Some(ToBoard::WriteParameters(Nonce::default(), **parameters))
-            }
+            Question::Write(parameters) => Some(ToBoard::WriteParameters(Nonce::default(), **parameters)),
             Question::Replay(samples) => {
                 self.send_samples(samples);
                 None

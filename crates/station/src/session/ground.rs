@@ -32,8 +32,11 @@ impl Session {
             return None;
         }
         if self.echo.is_one() {
-            return Some("the port hands back what is sent to it: no board is there, or its receiving and \
-                         sending lines are joined".to_owned());
+            return Some(
+                "the port hands back what is sent to it: no board is there, or its receiving and \
+                         sending lines are joined"
+                    .to_owned(),
+            );
         }
         (self.noise > 0 && self.frame.is_none()).then(|| {
             format!(
@@ -59,9 +62,9 @@ impl Session {
         let provenance = match identity.provenance {
             Provenance::Stored => None,
             Provenance::Missing => Some("no parameters are stored: those built in are in force".to_owned()),
-            Provenance::OtherVersion { found } => Some(format!(
-                "the stored parameters are of version {found}: those built in are in force"
-            )),
+            Provenance::OtherVersion { found } => {
+                Some(format!("the stored parameters are of version {found}: those built in are in force"))
+            }
             Provenance::Damaged => {
                 Some("the stored parameters are damaged: those built in are in force".to_owned())
             }

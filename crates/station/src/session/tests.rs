@@ -1,5 +1,6 @@
 use super::*;
 use crate::SimulatedBoard;
+use crate::again::again;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::defaults;
@@ -122,6 +123,23 @@ fn a_checked_board_flies_its_plan_and_comes_down() {
         let at = |tick| move |event: &&Event| matches!(event, Event::Frame(frame) if frame.tick == tick);
         let Some(Event::Frame(there)) = desk.events.iter().find(at(begin.unwrap() + 3_990)) else { panic!() };
         assert!((there.angle.pitch - 0.15).abs() < 0.03 && (there.angle.yaw - 0.3).abs() < 0.03, "{there:?}");
+    }
+}
+
+/// The host's own loop and bench, through exactly the ticks that the frames name.
+#[test]
+fn a_flight_computed_once_more_is_the_same_bit_for_bit_and_another_is_not() {
+    for rig in [AERO2, HELI] {
+        let mut desk = Desk::new(stored(&rig, true), plan(&rig));
+        assert_eq!(desk.end().ending, Ending::Flown);
+        let frame = |event: &Event| if let Event::Frame(frame) = event { Some(*frame) } else { None };
+        let mut frames: Vec<Frame> = desk.events.iter().filter_map(frame).collect();
+        let same = again(&rig, &record(&rig, true), &frames, desk.session.said()).unwrap();
+        assert!(same > 6_000, "{same}");
+        let middle = frames.iter().position(|frame| frame.state == ArmState::Armed).unwrap() + 3_000;
+        frames[middle].rate.yaw = f32::from_bits(frames[middle].rate.yaw.to_bits() ^ 1);
+        let told = again(&rig, &record(&rig, true), &frames, desk.session.said()).unwrap_err().to_string();
+        assert!(told.starts_with("3000 ticks after arming"), "{told}");
     }
 }
 
