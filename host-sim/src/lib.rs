@@ -14,5 +14,5 @@ pub mod cli;
 pub mod error;
 pub mod figures;
 pub mod files;
+pub mod line;
 pub mod report;
-pub mod serial;

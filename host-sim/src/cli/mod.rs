@@ -2,7 +2,7 @@
 //! nowhere else.
 //!
 //! 0 done; 1 the run failed; 2 bad input, told in one line; 3 the flight left the
-//! envelope or a fault stopped it; 130 after Ctrl-C, with the best so far written.
+//! envelope or a fault stopped it; 130 after Ctrl-C, SIGTERM or SIGHUP, with the best so far written.
 
 mod bench;
 mod bench_tuners;
@@ -10,6 +10,7 @@ mod choices;
 mod common;
 mod compare;
 mod flash;
+mod fly;
 mod identify;
 mod pareto;
 mod replay;
@@ -54,6 +55,8 @@ enum Command {
     Replay(replay::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
+    /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
+    Fly(fly::Args),
 }
 
 /// Runs what was typed.
@@ -73,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Identify(args) => identify::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
+        Command::Fly(args) => fly::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,307 @@
+//! `fly`: a board, from connecting to disarmed.
+
+mod ask;
+mod desk;
+mod report;
+
+use super::common::{catch_interrupts, no_effect};
+use super::{print, print_json};
+use crate::error::{Failure, Outcome};
+use crate::figures;
+use crate::files::export;
+use crate::files::recording::{self, Gaps};
+use crate::files::{self, figure};
+use crate::line::{self, Line, Simulated};
+use desk::{Desk, Flown, NOT_SEEN};
+use report::{Differences, Document};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Duration;
+use twinrotor::axes::PerAxis;
+use twinrotor::conversation::goal;
+use twinrotor::defaults;
+use twinrotor::link::{BAUD, Refusal, ticks_per_frame};
+use twinrotor::parameters::Parameters;
+use twinrotor_sim::flight::{self, Fidelity, Flight, Plan as Simulation, Scalar};
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_station::again::again;
+use twinrotor_station::flown::flown;
+use twinrotor_station::image;
+use twinrotor_station::session::{End, Ending, Leg, Motors, Plan, Session, Write};
+
+/// Flags of `fly`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Where the board is: 'sim' (simulated with its rig), a serial port, tcp://HOST:PORT, or 'auto' for the
+    /// serial port at which one answers
+    #[arg(long, default_value = "sim", value_name = "sim|auto|DEVICE|tcp://HOST:PORT")]
+    port: String,
+    /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
+    #[arg(long, default_value = "aero2")]
+    preset: String,
+    /// Gains: 'paper' (Table 4) or a gains file [default: the preset's own]
+    #[arg(long, value_name = "paper|FILE")]
+    gains: Option<String>,
+    /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
+    #[arg(long, default_value = "step")]
+    scenario: String,
+    /// Keep every frame from zeroing on: .csv, as identify and replay read it, .parquet or .mcap
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Draw what was flown over what was expected, as .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Write what is asked for to a board that has something else, without asking
+    #[arg(long)]
+    write: bool,
+    /// Do not ask before the motors turn
+    #[arg(long)]
+    yes: bool,
+    /// The simulated board in real time instead of as fast as it goes
+    #[arg(long)]
+    real_time: bool,
+    /// The rig of the board at --port is simulated, too: compute the flight once more and compare to the bit
+    #[arg(long)]
+    verify: bool,
+    /// Of everything random in the simulation
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is to be flown.
+struct Task {
+    named: NamedRig,
+    gains: GainsFile,
+    gains_name: String,
+    scenario: Scenario,
+    parameters: Parameters,
+    notes: Vec<String>,
+}
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let task = task(args)?;
+    let simulated = args.port == "sim";
+    if args.real_time && !simulated {
+        return Err(no_effect(
+            "--real-time",
+            "with --port",
+            "only a simulated board can be faster than time",
+        ));
+    }
+    if !simulated && !args.yes && !std::io::stdin().is_terminal() {
+        return Err(Failure::Input(
+            "--yes is missing, and nobody is at a terminal to be asked before the motors turn".to_owned(),
+        ));
+    }
+    if let Some(path) = &args.record {
+        export::check("--record", path, true)?;
+    }
+    if let Some(path) = &args.plot {
+        figure::check("--plot", path)?;
+    }
+    // Before the line is opened: from then on, whatever ends this ends it with the motors off.
+    catch_interrupts();
+    let (port, line): (String, Box<dyn Line>) = if simulated {
+        let parameters = Parameters { checked: true, ..task.parameters };
+        let line = Simulated::new(&task.named.rig, &parameters, args.real_time).map_err(image::unusable)?;
+        ("sim".to_owned(), Box::new(line))
+    } else {
+        line::open(&args.port)?
+    };
+    let plan = plan(args, &task, simulated);
+    let frame_every = plan.frame_every;
+    let mut desk = Desk::new(line, Session::new(plan, Duration::ZERO), task.parameters);
+    let end = desk.run(|step| if args.json { Ok(()) } else { print(&report::line(step)) });
+    let flown = std::mem::take(&mut desk.flown);
+    conclude(args, &task, &port, &flown, &desk.session, &end, frame_every)
+}
+
+fn task(args: &Args) -> Outcome<Task> {
+    let named = files::rig(&args.preset)?;
+    let (gains_name, gains) = match &args.gains {
+        Some(name) => (name.clone(), files::gains("--gains", name)?),
+        None => {
+            let controller = defaults::named(&args.preset).ok_or_else(|| {
+                Failure::Input(format!(
+                    "--gains is missing, and a rig of your own has none built in; tune some: host-sim tune \
+                     --preset {} --objective robust",
+                    args.preset
+                ))
+            })?;
+            (format!("{}'s own", args.preset), GainsFile { controller, provenance: None })
+        }
+    };
+    let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
+    parameters.validate().map_err(image::unusable)?;
+    let mut scenario = files::scenario(&args.scenario)?;
+    let mut notes = Vec::new();
+    if scenario.disturbance.take().is_some() {
+        notes.push("the scenario's disturbance is left out: nothing but the air disturbs a rig".to_owned());
+    }
+    refuse_out_of_range(&scenario, &parameters)?;
+    Ok(Task { named, gains, gains_name, scenario, parameters, notes })
+}
+
+/// Before anything is armed: a scenario that a board would refuse a setpoint of.
+fn refuse_out_of_range(scenario: &Scenario, parameters: &Parameters) -> Outcome<()> {
+    let references = scenario.references::<f32>();
+    let found = (0_u32..)
+        .zip(&references)
+        .find_map(|(tick, reference)| Some((tick, reference, goal::outside(&parameters.limits, reference)?)));
+    let Some((tick, reference, Refusal::Setpoint { field, high, .. })) = found else { return Ok(()) };
+    let (value, unit) = match field.as_str() {
+        "setpoint.angle.pitch" => (reference.angle.pitch, "rad"),
+        "setpoint.angle.yaw" => (reference.angle.yaw, "rad"),
+        "setpoint.rate.pitch" => (reference.rate.pitch, "rad/s"),
+        "setpoint.rate.yaw" => (reference.rate.yaw, "rad/s"),
+        "setpoint.accel.pitch" => (reference.accel.pitch, "rad/s²"),
+        _ => (reference.accel.yaw, "rad/s²"),
+    };
+    Err(Failure::Input(format!(
+        "--scenario {}: after {:.3} s {field} is {value} {unit}; allowed: {} to {high} {unit}",
+        scenario.name,
+        f64::from(tick) * twinrotor::SAMPLE_TIME,
+        -high
+    )))
+}
+
+fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
+    Plan {
+        parameters: task.parameters,
+        write: match (args.write, args.yes) {
+            (true, _) => Write::Always,
+            (false, true) => Write::Never,
+            (false, false) => Write::Ask,
+        },
+        ask: !simulated && !args.yes,
+        frame_every: ticks_per_frame(BAUD),
+        legs: vec![Leg::Fly(task.scenario.references())],
+    }
+}
+
+/// Files and report, once the motors are off, and the exit status.
+fn conclude(
+    args: &Args,
+    task: &Task,
+    port: &str,
+    flown_: &Flown,
+    session: &Session,
+    end: &End,
+    frame_every: u16,
+) -> Outcome<()> {
+    let frames = &flown_.frames;
+    let rig = &task.named.rig;
+    let since_zero = flown_.zeroed.and_then(|zeroed| frames.iter().position(|f| f.tick == zeroed));
+    let recorded = since_zero.map_or(&[][..], |from| &frames[from..]);
+    let gaps = recording::gaps(recorded, frame_every);
+    // Whatever fails from here on, all else is still told.
+    let mut failure = None;
+    let record = args.record.as_ref().and_then(|path| {
+        let written = recording::table(recorded, frame_every).write(path);
+        failure = written.err();
+        let Gaps { gaps, .. } = gaps;
+        let told = format!("{}: {} ticks, {gaps} gaps", path.display(), recorded.len());
+        failure.is_none().then_some(told)
+    });
+    let flight = flown_.begins.first().map(|begin| flown(frames, *begin, rig, &task.scenario));
+    let simulated = flight.as_ref().map(|_| simulate(args, task)).transpose()?;
+    if let (Some(path), Some(flight), Some(simulated)) = (&args.plot, &flight, &simulated) {
+        let title =
+            format!("{}, scenario {}, {} gains", task.named.name, task.scenario.name, task.gains_name);
+        let figure =
+            figures::comparison(&title, [("simulated", simulated), ("flown", flight)], rig.volts_limit);
+        failure = failure.or(figure::write(&figure, path).err());
+    }
+    let verify = end.ending == Ending::Flown && (args.verify || args.port == "sim");
+    let verified = if verify { Some(again(rig, &task.parameters, frames, session.said())) } else { None };
+    let document = Document {
+        preset: &task.named.name,
+        scenario: &task.scenario.name,
+        gains: &task.gains_name,
+        port,
+        duration_s: task.scenario.duration,
+        ended: ended(&end.ending),
+        motors: motors(end.motors),
+        why: why(end),
+        steps: &flown_.steps,
+        differs: flown_.differences.iter().map(ToString::to_string).collect(),
+        frames: frames.len(),
+        gaps,
+        frames_dropped: flown_.health.map(|health| health.frames_dropped),
+        flown: flight.as_ref().map(|flight| flight.report),
+        simulated: simulated.as_ref().map(|flight| flight.report),
+        difference: flight.as_ref().zip(simulated.as_ref()).map(|(a, b)| Differences::new(a, b)),
+        verified_ticks: verified.as_ref().and_then(|verified| verified.as_ref().ok()).copied(),
+        record,
+        notes: task.notes.clone(),
+    };
+    let printed = if args.json { print_json(&document) } else { print(&document.text()) };
+    status(end)?;
+    failure.map_or(Ok(()), Err)?;
+    if let Some(Err(error)) = verified {
+        return Err(Failure::Run(error.to_string()));
+    }
+    printed
+}
+
+/// What was to be expected: the same scenario in the rig's world.
+fn simulate(args: &Args, task: &Task) -> Outcome<Flight> {
+    let settings = task.gains.settings(&task.named.rig);
+    let plan = Simulation {
+        rig: &task.named.rig,
+        settings: &settings,
+        scenario: &task.scenario,
+        initial: PerAxis::zero(),
+        fidelity: Fidelity::Rig,
+        seed: args.seed,
+    };
+    Ok(flight::fly(&plan, Scalar::F32)?)
+}
+
+const fn ended(ending: &Ending) -> &'static str {
+    match ending {
+        Ending::Flown => "flown",
+        Ending::Trouble(_) => "trouble",
+        Ending::Stopped(_) => "stopped",
+        Ending::Interrupted => "interrupted",
+    }
+}
+
+const fn motors(motors: Motors) -> &'static str {
+    match motors {
+        Motors::NeverTurned => "never-turned",
+        Motors::SeenOff => "seen-off",
+        Motors::NotSeenOff => "not-seen-off",
+    }
+}
+
+/// Why it did not end as it should, in a line.
+fn why(end: &End) -> Option<String> {
+    let why = match &end.ending {
+        Ending::Flown => None,
+        Ending::Trouble(why) | Ending::Stopped(why) => Some(why.clone()),
+        Ending::Interrupted => Some("interrupted".to_owned()),
+    };
+    match end.motors {
+        Motors::NotSeenOff => {
+            Some(format!("{}; {NOT_SEEN}", why.unwrap_or_else(|| "the flight is over".to_owned())))
+        }
+        Motors::SeenOff => why.map(|why| format!("{why}; the motors were seen to be off")),
+        Motors::NeverTurned => why,
+    }
+}
+
+/// What a session's end means for whoever started it.
+fn status(end: &End) -> Outcome<()> {
+    let Some(why) = why(end) else { return Ok(()) };
+    Err(match (&end.ending, end.motors) {
+        (Ending::Interrupted, Motors::SeenOff | Motors::NeverTurned) => Failure::Interrupted,
+        (Ending::Stopped(_), _) => Failure::Flight(why),
+        _ => Failure::Run(why),
+    })
+}
