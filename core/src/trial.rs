@@ -20,6 +20,7 @@ use crate::reference::Reference;
 use crate::sequence::Sequence;
 use crate::telemetry::TrialPhase;
 use crate::validate::{Invalid, require};
+use serde::{Deserialize, Serialize};
 
 /// \[ticks\] For which a candidate is a shadow.
 pub const SHADOW_TICKS: u32 = 300;
@@ -29,6 +30,49 @@ pub const ERROR_FACTOR: f32 = 2.0;
 pub const LEAST_ERROR: f32 = core::f32::consts::PI / 180.0;
 /// What a tick keeps of the recent worst error: it fades with a time constant of 32.8 s.
 const KEEP: f32 = 1.0 - 1.0 / 32_768.0;
+
+/// \[ms\] From none of the volts to all of them, unless the operator says otherwise.
+pub const FADE_MS: u32 = 100;
+/// \[ms\] That a candidate flies alone without being accepted, unless the operator says otherwise.
+pub const REVERT_MS: u32 = 30_000;
+
+/// What an operator wants tried: a controller on the rig of the parameters in force, whose model, limits and
+/// encoders stay.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Attempt {
+    /// Law, gains, filter, estimator and allocation.
+    pub controller: ControllerSettings<f32>,
+    /// \[ms\] From none of the volts to all of them, 1 to 10,000.
+    pub fade_ms: u32,
+    /// \[ms\] That it flies alone without being accepted, 1 to 600,000.
+    pub revert_ms: u32,
+}
+
+impl Attempt {
+    /// With the usual times.
+    #[must_use]
+    pub const fn new(controller: ControllerSettings<f32>) -> Self {
+        Self { controller, fade_ms: FADE_MS, revert_ms: REVERT_MS }
+    }
+
+    /// Every value in its range.
+    ///
+    /// # Errors
+    /// Names the first value that is not.
+    pub fn validate(&self) -> Result<(), Invalid<f32>> {
+        #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
+        let time = |field, time: u32, most, allowed| {
+            require(field, time as f32, (1..=most).contains(&time), allowed)
+        };
+        time("trial.fade_ms", self.fade_ms, 10_000, "1 to 10000 ms")?;
+        time("trial.revert_ms", self.revert_ms, 600_000, "1 to 600000 ms")?;
+        // Zero, or a NaN.
+        let mut sum = 0.0;
+        let _ = self.controller.map(|number| sum += 0.0 * number);
+        require("trial.controller", sum, sum.is_finite(), "finite numbers")?;
+        self.controller.validate()
+    }
+}
 
 /// A controller to be tried, made ready outside the tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,29 +87,15 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// `controller` on the rig of `parameters`: no model, limit or encoder changes. `fade` and `revert` in
-    /// ticks; `sequence` is that of the message that asks for it.
+    /// What is to be tried, on the rig of `parameters`; `sequence` is the number of the message that asks for
+    /// it.
     ///
     /// # Errors
     /// Names the first value out of its range.
-    pub fn new(
-        parameters: &Parameters,
-        controller: ControllerSettings<f32>,
-        fade: u32,
-        revert: u32,
-        sequence: Sequence,
-    ) -> Result<Self, Invalid<f32>> {
-        #[expect(clippy::cast_precision_loss, reason = "exact where it is allowed")]
-        let ticks = |field, ticks: u32, most, allowed| {
-            require(field, ticks as f32, (1..=most).contains(&ticks), allowed)
-        };
-        ticks("trial.fade", fade, 10_000, "1 to 10000 ms")?;
-        ticks("trial.revert", revert, 600_000, "1 to 600000 ms")?;
-        // Zero, or a NaN.
-        let mut sum = 0.0;
-        let _ = controller.map(|number| sum += 0.0 * number);
-        require("trial.controller", sum, sum.is_finite(), "finite numbers")?;
-        controller.validate()?;
+    pub fn new(parameters: &Parameters, attempt: &Attempt, sequence: Sequence) -> Result<Self, Invalid<f32>> {
+        attempt.validate()?;
+        // A tick is a millisecond.
+        let Attempt { controller, fade_ms: fade, revert_ms: revert } = *attempt;
         let settings = Settings { controller, ..parameters.settings };
         let pipeline = Pipeline::new(&settings, PerAxis::zero());
         Ok(Self { sequence, controller, pipeline, fade, revert })

@@ -42,6 +42,8 @@ mod serial;
 #[cfg(target_os = "none")]
 mod shared;
 #[cfg(target_os = "none")]
+mod slot;
+#[cfg(target_os = "none")]
 mod stack;
 #[cfg(target_os = "none")]
 mod storage;

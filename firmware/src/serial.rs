@@ -4,9 +4,11 @@
 use crate::boards::BOARD;
 use crate::quiesce::TickAside;
 use crate::receiver::Receiver;
-use crate::shared::{Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, TICK_COUNTS_MAX, TICKS};
+use crate::shared::{
+    Commands, DISARM, FRAME_EVERY, FRAMES_DROPPED, HEARD, Reports, STATUS, TICK_COUNTS_MAX, TICKS,
+};
 use crate::storage::Storage;
-use crate::{clock, log, nonce, stack, tick, wake};
+use crate::{clock, log, nonce, slot, stack, tick, wake};
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_executor::Spawner;
 use embassy_stm32::mode::Async;
@@ -14,8 +16,9 @@ use embassy_stm32::usart::UartTx;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::channel::Channel;
 use static_cell::StaticCell;
+use twinrotor::control_loop::Status;
 use twinrotor::conversation::outgoing::{Outgoing, Waiting};
-use twinrotor::conversation::{Action, Board, Conversation};
+use twinrotor::conversation::{Action, Board, Conversation, Loop};
 use twinrotor::first_power::Verdict;
 use twinrotor::link::{self, Decoder, Health, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost};
 use twinrotor::parameters::{Parameters, Provenance};
@@ -40,7 +43,13 @@ pub(crate) fn start(
     commands: Commands,
 ) {
     static CONVERSATION: StaticCell<Conversation> = StaticCell::new();
-    let board = Board { firmware: env!("CARGO_PKG_VERSION"), chip: BOARD.chip, nonce: nonce::draw(), reset };
+    let board = Board {
+        firmware: env!("CARGO_PKG_VERSION"),
+        chip: BOARD.chip,
+        nonce: nonce::draw(),
+        reset,
+        baud: link::BAUD,
+    };
     let conversation = CONVERSATION.init_with(|| Conversation::new(board, parameters, provenance));
     let operator = Operator { storage, conversation, commands };
     spawner.spawn(receive(receiver, operator).expect("spawned once"));
@@ -143,7 +152,7 @@ impl Operator {
         if let Err(error) = received {
             log::rejected(error);
         }
-        let response = self.conversation.receive(received, self.commands.ready());
+        let response = self.conversation.receive(received, &self.now());
         REJECTED.store(self.conversation.rejected(), Ordering::Relaxed);
         let stale = self.conversation.stale();
         if stale != STALE.load(Ordering::Relaxed) {
@@ -161,11 +170,30 @@ impl Operator {
                 // There is room: the conversation was told so, and only the tick makes more.
                 let _ = self.commands.enqueue(command);
             }
+            Action::Try(command) => {
+                self.hand_over();
+                let _ = self.commands.enqueue(command);
+            }
             Action::FrameEvery(ticks) => FRAME_EVERY.store(ticks, Ordering::Relaxed),
             Action::Keep(parameters) => {
                 let outcome = self.keep(&parameters).await;
                 answer(self.conversation.kept(&parameters, outcome)).await;
             }
+        }
+    }
+
+    /// Where the loop stands. What it takes is looked at before the status, which is then at least as new.
+    fn now(&self) -> Loop {
+        let (takes_command, takes_candidate) = (self.commands.ready(), slot::is_free());
+        let status = Status::from_word(STATUS.load(Ordering::Acquire));
+        Loop { takes_command, takes_candidate, status }
+    }
+
+    /// The controller to be tried, made ready here and left for the tick.
+    #[inline(never)]
+    fn hand_over(&self) {
+        if let Some(candidate) = self.conversation.candidate() {
+            slot::put(candidate);
         }
     }
 

@@ -34,6 +34,8 @@ pub(crate) static FRAMES_DROPPED: AtomicU32 = AtomicU32::new(0);
 pub(crate) static TICK_COUNTS_MAX: AtomicU32 = AtomicU32::new(0);
 /// Ticks since boot.
 pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
+/// [`twinrotor::control_loop::Status`] as a word, whenever it may have changed.
+pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
 /// The emergency stop's edge, kept for the next tick.
 pub(crate) static STOP_EDGE: AtomicBool = AtomicBool::new(false);
 /// The stack has been used further than it should.

@@ -6,9 +6,9 @@ use crate::port::{PlantPort, Port, Sensed};
 use crate::quiesce::{self, TickAside};
 use crate::shared::{
     CHANGES, Commands, DISARM, FRAME_EVERY, FRAMES, FRAMES_DROPPED, HEARD, LED_PATTERN, Reports, STACK_LOW,
-    TICK_COUNTS_MAX, TICKS, VERDICTS, take,
+    STATUS, TICK_COUNTS_MAX, TICKS, VERDICTS, take,
 };
-use crate::{led, wake, watchdog};
+use crate::{led, slot, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -115,6 +115,7 @@ pub(crate) fn adopt(parameters: &Parameters, _: &TickAside) {
     let control = unsafe { (*CONTROL.0.get()).assume_init_mut() };
     control.core.adopt(parameters);
     control.standing = control.board;
+    STATUS.store(control.core.status().to_word(), Ordering::Release);
 }
 
 #[interrupt]
@@ -157,6 +158,7 @@ impl<P: PlantPort> Tick<P> {
     fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
         let disarm = take(&DISARM);
         let command = commands::next(&mut self.commands, disarm);
+        let trying = control.core.is_trying();
         let outputs = control.core.tick(&Inputs {
             counters: self.port.counters(),
             supply: sensed.supply,
@@ -169,10 +171,14 @@ impl<P: PlantPort> Tick<P> {
                 .with(Condition::StackGuard, STACK_LOW.load(Ordering::Relaxed)),
             heard: take(&HEARD),
             disarm,
-            trial: None,
+            trial: if command.is_some() { slot::peek() } else { None },
             command,
         });
         self.port.write(outputs.duty, outputs.enable);
+        let news = trying | command.is_some();
+        if disarm | command.is_some() {
+            slot::settle(command, disarm);
+        }
         if command.is_some() {
             commands::done(&mut self.commands);
         }
@@ -180,14 +186,17 @@ impl<P: PlantPort> Tick<P> {
             // There is one verdict a check, and checks take seconds: there is room.
             let _ = self.verdicts.enqueue(verdict);
         }
-        self.report(control);
+        self.report(control, news);
     }
 
     #[inline(always)]
-    fn report(&mut self, control: &Control) {
+    fn report(&mut self, control: &Control, news: bool) {
         LED_PATTERN.store(led::pattern(control.core.state(), control.board), Ordering::Relaxed);
         let (tick, now) = (control.core.next_tick(), (control.core.state(), control.core.conditions()));
         TICKS.store(tick, Ordering::Relaxed);
+        if news || now != self.last {
+            STATUS.store(control.core.status().to_word(), Ordering::Release);
+        }
         if now != self.last {
             self.last = now;
             let _ = self.changes.enqueue(Change { tick, state: now.0, conditions: now.1 });

@@ -1,5 +1,9 @@
 //! The tick of the board, as a list of verbs; the arithmetic is in the steps it calls.
 
+mod status;
+
+pub use status::Status;
+
 use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
@@ -29,7 +33,8 @@ pub struct ControlLoop {
     checked: bool,
     accepted: Accepted,
     trial: Option<Trial>,
-    kept: Kept,
+    /// Number of the message that asked for the accepted controller, unless it is the record's.
+    accepted_by: Option<Sequence>,
     monitor: Monitor,
     supervisor: Supervisor,
     check: FirstPowerCheck,
@@ -62,7 +67,7 @@ pub struct Inputs<'a> {
     pub heard: bool,
     /// The operator wants the motors off. Goes before `command`, which is forgotten.
     pub disarm: bool,
-    /// A controller to be tried, while armed and while none is.
+    /// The controller that an [`OperatorCommand::Try`] is about.
     pub trial: Option<&'a Candidate>,
     /// What else the operator wants, if anything new.
     pub command: Option<&'a Numbered<OperatorCommand>>,
@@ -77,6 +82,9 @@ pub enum OperatorCommand {
     Setpoint(Reference<f32>),
     /// To take where the rig lies now, motors off and still, for its rest pose.
     Zero,
+    /// To try the controller that [`Inputs::trial`] then is, if its number is the command's: while armed, and
+    /// while none is tried.
+    Try,
     /// To keep the controller that is being tried, once it flies alone.
     Accept,
     /// To go back to the accepted controller.
@@ -120,7 +128,7 @@ impl ControlLoop {
                 worst: PerAxis::zero(),
             },
             trial: None,
-            kept: Kept::Stored,
+            accepted_by: None,
             monitor: Monitor::new(parameters),
             supervisor: Supervisor::new(reset_cause),
             check: FirstPowerCheck::new(parameters.limits.check),
@@ -197,7 +205,36 @@ impl ControlLoop {
     /// Which controller decides, for telemetry.
     fn in_force(&self) -> InForce {
         let (trial, blend) = self.trial.as_ref().map_or((TrialPhase::None, 0), |t| (t.phase(), t.percent()));
-        InForce { accepted: self.kept, trial, blend }
+        let accepted = if self.accepted_by.is_some() { Kept::Unsaved } else { Kept::Stored };
+        InForce { accepted, trial, blend }
+    }
+
+    /// A controller is being tried.
+    #[inline(always)]
+    pub fn is_trying(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// What the conversation must know.
+    pub fn status(&self) -> Status {
+        Status {
+            armed: self.is_armed(),
+            flash_may_be_written: self.state().lets_flash_be_written(),
+            trial: self.trial.as_ref().map_or(TrialPhase::None, Trial::phase),
+            accepted: self.accepted_by,
+        }
+    }
+
+    /// Begins to try `candidate`, if that is what the command of this tick asks for.
+    #[inline(never)]
+    fn begin_trying(&mut self, candidate: Option<&Candidate>, measured: PerAxis<f32>) {
+        let asked = self.taken.map(|(sequence, _)| sequence);
+        if let Some(candidate) = candidate.filter(|candidate| Some(candidate.sequence()) == asked)
+            && self.trial.is_none()
+            && self.is_armed()
+        {
+            self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
+        }
     }
 
     /// A trial's part of the tick.
@@ -220,10 +257,10 @@ impl ControlLoop {
         if over {
             self.trial = None;
         } else if command == Some(&OperatorCommand::Accept)
-            && let Some((accepted, _)) = trial.accept()
+            && let Some((accepted, sequence)) = trial.accept()
         {
             self.accepted = accepted;
-            self.kept = Kept::Unsaved;
+            self.accepted_by = Some(sequence);
             self.trial = None;
         }
     }
@@ -255,8 +292,8 @@ impl ControlLoop {
         if let (Some(belief), true) = (tried, self.is_armed()) {
             self.go_on_trying(belief, &reference, command);
         }
-        if let (Some(candidate), None, true) = (inputs.trial, &self.trial, self.is_armed()) {
-            self.trial = Some(Trial::begin(candidate, &self.accepted, measured));
+        if command == Some(&OperatorCommand::Try) {
+            self.begin_trying(inputs.trial, measured);
         }
         self.supply = inputs.supply;
         // Never below what is allowed: a supply read too low would give the motors more than they should

@@ -89,6 +89,10 @@ impl Flight {
     }
 
     fn tick(&mut self, command: Option<OperatorCommand>) -> Outputs {
+        let trial = self.candidate.take();
+        let tried =
+            trial.map(|candidate| Numbered { sequence: candidate.sequence(), message: OperatorCommand::Try });
+        assert!(tried.is_none() || command.is_none(), "one command a tick");
         let outputs = self.control.tick(&Inputs {
             counters: self.bench.counters(),
             supply: self.supply.unwrap_or(self.bench.supply),
@@ -96,8 +100,8 @@ impl Flight {
             senses: self.senses,
             heard: self.heard,
             disarm: core::mem::take(&mut self.disarm),
-            trial: self.candidate.take().as_ref(),
-            command: command.map(numbered).as_ref(),
+            trial: trial.as_ref(),
+            command: tried.or(command.map(numbered)).as_ref(),
         });
         // It lies on a table until it is armed.
         self.bench.set_table(self.control.state() != ArmState::Armed);

@@ -2,6 +2,7 @@
 
 use crate::control_loop::OperatorCommand;
 use crate::sequence::Numbered;
+use crate::trial::Candidate;
 use heapless::spsc::{Consumer, Producer, Queue};
 
 /// Commands that may wait; a burst of [clear, zero, setpoint, arm] is ordinary.
@@ -28,6 +29,20 @@ pub fn next<'a>(queue: &'a mut Receiver<'_>, disarm: bool) -> Option<&'a Numbere
 #[inline(always)]
 pub fn done(queue: &mut Receiver<'_>) {
     let _ = queue.dequeue();
+}
+
+/// Whether the candidate that waits beside the queue is of no more use after a tick of `command` and `disarm`:
+/// it was taken, or forgotten with what waited for it.
+#[inline(always)]
+pub fn is_done_with(
+    candidate: &Candidate,
+    command: Option<&Numbered<OperatorCommand>>,
+    disarm: bool,
+) -> bool {
+    let asks = |command: &Numbered<OperatorCommand>| {
+        command.message == OperatorCommand::Try && command.sequence == candidate.sequence()
+    };
+    disarm || command.is_some_and(asks)
 }
 
 #[cfg(test)]

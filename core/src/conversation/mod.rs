@@ -11,12 +11,14 @@ pub mod outgoing;
 #[cfg(test)]
 mod tests;
 
-use crate::control_loop::OperatorCommand;
+use crate::control_loop::{OperatorCommand, Status};
 use crate::link::{self, Identity, LinkError, Nonce, Refusal, ResetReport, ToBoard, ToHost};
 use crate::parameters::{self, Parameters, Provenance};
 use crate::replay::{Replay, Replayed, Sample};
 use crate::sequence::{Numbered, Order, Sequence};
 use crate::supervisor::{Conditions, Request};
+use crate::telemetry::TrialPhase;
+use crate::trial::{Attempt, Candidate};
 
 /// \[ticks\] Fewest and most from one frame of telemetry to the next.
 pub const FRAME_EVERY: core::ops::RangeInclusive<u16> = 1..=1000;
@@ -32,6 +34,20 @@ pub struct Board {
     pub nonce: Nonce,
     /// What ended the firmware before this boot, if it was no ordinary reset.
     pub reset: Option<ResetReport>,
+    /// \[baud\] Of its line.
+    pub baud: u32,
+}
+
+/// What the loop can take, and where it stands, when a message comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Loop {
+    /// There is room for a command.
+    pub takes_command: bool,
+    /// There is room for a candidate: the last one has been taken, or forgotten. Looked at before `status`,
+    /// where the tick may come between.
+    pub takes_candidate: bool,
+    /// After the last tick.
+    pub status: Status,
 }
 
 /// What came of a message.
@@ -54,6 +70,9 @@ pub enum Action {
     Disarm,
     /// To hand this to the tick.
     Command(Numbered<OperatorCommand>),
+    /// To make [`Conversation::candidate`] ready for the tick, then to hand it this command, an
+    /// [`OperatorCommand::Try`].
+    Try(Numbered<OperatorCommand>),
     /// To send a frame every so many ticks.
     FrameEvery(u16),
     /// To keep this record, if the motors cannot turn: the tick stands aside, the record goes to flash, the
@@ -69,6 +88,8 @@ pub struct Conversation {
     provenance: Provenance,
     order: Order,
     replay: Option<Replay>,
+    /// What was handed to the tick to be tried, until that has ended or is accepted.
+    tried: Option<(Sequence, Attempt)>,
     rejected: u32,
     stale: u32,
 }
@@ -78,10 +99,10 @@ impl Conversation {
     #[must_use]
     pub const fn new(board: Board, parameters: Parameters, provenance: Provenance) -> Self {
         let order = Order::new();
-        Self { board, parameters, provenance, order, replay: None, rejected: 0, stale: 0 }
+        Self { board, parameters, provenance, order, replay: None, tried: None, rejected: 0, stale: 0 }
     }
 
-    /// The parameters in force.
+    /// The parameters in force, with the accepted controller.
     #[must_use]
     pub const fn parameters(&self) -> &Parameters {
         &self.parameters
@@ -105,8 +126,9 @@ impl Conversation {
         self.stale
     }
 
-    /// Deals with what came over the link. `room`: whether the tick has room for a command.
-    pub fn receive(&mut self, received: Result<Numbered<ToBoard>, LinkError>, room: bool) -> Response {
+    /// Deals with what came over the link, where the loop is as in `now`.
+    pub fn receive(&mut self, received: Result<Numbered<ToBoard>, LinkError>, now: &Loop) -> Response {
+        self.follow(now);
         let Ok(Numbered { sequence, message }) = received else {
             self.rejected = self.rejected.wrapping_add(1);
             return Response { heard: false, action: Action::Nothing };
@@ -120,22 +142,19 @@ impl Conversation {
         } else if message.nonce().is_some_and(|nonce| nonce != self.board.nonce) {
             refused(Refusal::Nonce)
         } else {
-            self.deal_with(sequence, message, room)
+            self.deal_with(sequence, message, now)
         };
         Response { heard, action }
     }
 
     /// A message that counts: new, or one that always does, and meant for this boot.
-    fn deal_with(&mut self, sequence: Sequence, message: ToBoard, room: bool) -> Action {
+    fn deal_with(&mut self, sequence: Sequence, message: ToBoard, now: &Loop) -> Action {
         let command = match message {
             ToBoard::Alive => return Action::Nothing,
             ToBoard::Disarm => return Action::Disarm,
             ToBoard::Identify => return Action::Answer(self.identity()),
-            ToBoard::ReadParameters => return Action::Answer(ToHost::Parameters(self.parameters)),
-            ToBoard::Telemetry { every } if FRAME_EVERY.contains(&every) => return Action::FrameEvery(every),
-            ToBoard::Telemetry { .. } => {
-                return refused(Refusal::range("telemetry.every", "1 to 1000 ticks"));
-            }
+            ToBoard::ReadParameters => return Action::Answer(ToHost::Parameters(self.in_force(&now.status))),
+            ToBoard::Telemetry { every } => return self.frame_every(every),
             ToBoard::Replay(sample) => {
                 return self.replayed(&sample).map_or(refused(Refusal::NoReplay), |replayed| {
                     Action::Answer(ToHost::Replayed(replayed))
@@ -156,8 +175,19 @@ impl Conversation {
             ToBoard::Arm(_) => OperatorCommand::Request(Request::Arm),
             ToBoard::ClearFault(_) => OperatorCommand::Request(Request::ClearFault),
             ToBoard::Check(_) => OperatorCommand::Request(Request::Check),
+            ToBoard::Trial(_, attempt) => return self.handed_over(sequence, &attempt, now),
+            ToBoard::Accept(_) if now.status.trial != TrialPhase::Flying => {
+                return refused(Refusal::NothingToAccept);
+            }
+            ToBoard::Accept(_) => OperatorCommand::Accept,
+            ToBoard::Revert => OperatorCommand::Revert,
+            ToBoard::Save(_) => return self.saved(&now.status),
         };
-        if room { Action::Command(Numbered { sequence, message: command }) } else { refused(Refusal::Busy) }
+        if now.takes_command {
+            Action::Command(Numbered { sequence, message: command })
+        } else {
+            refused(Refusal::Busy)
+        }
     }
 
     /// What came of [`Action::Keep`]; gives the answer. From then on `parameters` are those in force, if they
@@ -168,9 +198,81 @@ impl Conversation {
         }
         self.parameters = *parameters;
         self.provenance = Provenance::Stored;
+        self.tried = None;
         // Half a record with one controller and half with another would be neither's.
         self.replay = None;
         ToHost::Saved
+    }
+
+    fn frame_every(&self, ticks: u16) -> Action {
+        let least = link::ticks_per_frame(self.board.baud);
+        if !FRAME_EVERY.contains(&ticks) {
+            refused(Refusal::range("telemetry.every", "1 to 1000 ticks"))
+        } else if ticks < least {
+            refused(Refusal::TooOften { least })
+        } else {
+            Action::FrameEvery(ticks)
+        }
+    }
+
+    /// What became of what is tried.
+    fn follow(&mut self, now: &Loop) {
+        let Some((sequence, attempt)) = &self.tried else { return };
+        if now.status.accepted == Some(*sequence) {
+            self.parameters.settings.controller = attempt.controller;
+            self.replay = None;
+            self.tried = None;
+        } else if now.takes_candidate && now.status.trial == TrialPhase::None {
+            self.tried = None;
+        }
+    }
+
+    /// The parameters in force, with the controller that flies.
+    fn in_force(&self, status: &Status) -> Parameters {
+        let mut parameters = self.parameters;
+        if let (Some((_, attempt)), TrialPhase::Flying) = (&self.tried, status.trial) {
+            parameters.settings.controller = attempt.controller;
+        }
+        parameters
+    }
+
+    /// A controller to be tried, on its way to the tick.
+    fn handed_over(&mut self, sequence: Sequence, attempt: &Attempt, now: &Loop) -> Action {
+        if !now.status.armed {
+            return refused(Refusal::NotArmed);
+        }
+        if self.tried.is_some() {
+            return refused(Refusal::TrialUnderWay);
+        }
+        // A number that was accepted half a day ago would be taken for accepted again.
+        if !(now.takes_command && now.takes_candidate) || now.status.accepted == Some(sequence) {
+            return refused(Refusal::Busy);
+        }
+        if let Err(invalid) = attempt.validate() {
+            return refused(Refusal::range(invalid.field, invalid.allowed));
+        }
+        self.tried = Some((sequence, *attempt));
+        Action::Try(Numbered { sequence, message: OperatorCommand::Try })
+    }
+
+    /// What is to be tried, ready for the tick; none where nothing is.
+    #[must_use]
+    pub fn candidate(&self) -> Option<Candidate> {
+        let (sequence, attempt) = self.tried.as_ref()?;
+        Candidate::new(&self.parameters, attempt, *sequence).ok()
+    }
+
+    /// The accepted controller to flash, if it is not there yet.
+    fn saved(&self, status: &Status) -> Action {
+        if !status.flash_may_be_written {
+            refused(Refusal::MotorsMayTurn)
+        } else if !self.standing().is_empty() {
+            refused(Refusal::NoParameters)
+        } else if status.accepted.is_some() {
+            Action::Keep(self.parameters)
+        } else {
+            Action::Answer(ToHost::Saved)
+        }
     }
 
     /// One tick of a record; nothing of the control loop's. What it puts on the stack is not always there.

@@ -1,3 +1,5 @@
+mod trial;
+
 use super::*;
 use crate::SAMPLE_TIME;
 use crate::axes::PerAxis;
@@ -15,21 +17,30 @@ fn parameters() -> Parameters {
     Parameters::new(&presets::AERO2, &Settings::paper(&presets::AERO2, gains::PAPER, SAMPLE_TIME))
 }
 
+const BOARD: Board =
+    Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: NONCE, reset: None, baud: link::BAUD };
+
 fn board(provenance: Provenance) -> Conversation {
-    let board = Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: NONCE, reset: None };
-    Conversation::new(board, parameters(), provenance)
+    Conversation::new(BOARD, parameters(), provenance)
 }
+
+/// Disarmed, with room for everything.
+const IDLE: Loop = Loop {
+    takes_command: true,
+    takes_candidate: true,
+    status: Status { armed: false, flash_may_be_written: true, trial: TrialPhase::None, accepted: None },
+};
 
 /// A host that counts its messages.
 struct Host {
     board: Conversation,
     sequence: Sequence,
-    room: bool,
+    now: Loop,
 }
 
 impl Host {
     fn new(provenance: Provenance) -> Self {
-        let mut host = Self { board: board(provenance), sequence: Sequence(777), room: true };
+        let mut host = Self { board: board(provenance), sequence: Sequence(777), now: IDLE };
         let Action::Answer(ToHost::Identity(identity)) = host.say(ToBoard::Identify) else {
             panic!("the board says who it is");
         };
@@ -41,7 +52,7 @@ impl Host {
     fn say(&mut self, message: ToBoard) -> Action {
         let numbered = message.numbered(self.sequence);
         self.sequence = self.sequence.next();
-        self.board.receive(Ok(numbered), self.room).action
+        self.board.receive(Ok(numbered), &self.now).action
     }
 }
 
@@ -62,6 +73,8 @@ fn acting(nonce: Nonce) -> Vec<ToBoard> {
         ToBoard::Telemetry { every: 7 },
         ToBoard::ReadParameters,
         ToBoard::WriteParameters(nonce, parameters()),
+        ToBoard::Revert,
+        ToBoard::Save(nonce),
     ]
 }
 
@@ -77,6 +90,7 @@ fn each_message_has_its_action_once() {
             ToBoard::Arm(_) => Some(OperatorCommand::Request(Request::Arm)),
             ToBoard::ClearFault(_) => Some(OperatorCommand::Request(Request::ClearFault)),
             ToBoard::Check(_) => Some(OperatorCommand::Request(Request::Check)),
+            ToBoard::Revert => Some(OperatorCommand::Revert),
             _ => None,
         };
         match (expected, action) {
@@ -86,20 +100,21 @@ fn each_message_has_its_action_once() {
             (None, Action::FrameEvery(every)) => assert_eq!(every, 7),
             (None, Action::Answer(ToHost::Parameters(read))) => assert_eq!(read, parameters()),
             (None, Action::Keep(kept)) => assert_eq!(kept, parameters()),
+            (None, Action::Answer(ToHost::Saved)) => assert_eq!(message, ToBoard::Save(NONCE)),
             (None, action) => panic!("{message:?}: {action:?}"),
         }
         // The same bytes once more.
-        let again = host.board.receive(Ok(message.numbered(sequence)), true);
+        let again = host.board.receive(Ok(message.numbered(sequence)), &IDLE);
         assert_eq!(again, Response { heard: false, action: Action::Nothing });
     }
-    assert_eq!(host.board.stale(), 8);
+    assert_eq!(host.board.stale(), 10);
     assert_eq!(host.say(ToBoard::Alive), Action::Nothing);
 }
 
 #[test]
 fn disarm_and_identify_count_whatever_their_number_and_only_a_new_one_is_a_sign_of_life() {
     let mut host = Host::new(Provenance::Stored);
-    host.room = false;
+    host.now.takes_command = false;
     host.say(ToBoard::Alive);
     let newest = host.sequence;
     for behind in 0..=u16::MAX {
@@ -107,13 +122,13 @@ fn disarm_and_identify_count_whatever_their_number_and_only_a_new_one_is_a_sign_
         if sequence.is_newer_than(Sequence(newest.0.wrapping_sub(1))) {
             continue;
         }
-        let said = host.board.receive(Ok(ToBoard::Disarm.numbered(sequence)), false);
+        let said = host.board.receive(Ok(ToBoard::Disarm.numbered(sequence)), &host.now);
         assert_eq!(said, Response { heard: false, action: Action::Disarm });
-        let said = host.board.receive(Ok(ToBoard::Identify.numbered(sequence)), false);
+        let said = host.board.receive(Ok(ToBoard::Identify.numbered(sequence)), &host.now);
         assert!(!said.heard && matches!(said.action, Action::Answer(ToHost::Identity(_))));
     }
     assert_eq!(host.board.stale(), 0);
-    let said = host.board.receive(Ok(ToBoard::Disarm.numbered(newest)), false);
+    let said = host.board.receive(Ok(ToBoard::Disarm.numbered(newest)), &host.now);
     assert_eq!(said, Response { heard: true, action: Action::Disarm });
 }
 
@@ -129,7 +144,7 @@ fn another_boots_nonce_is_refused() {
         assert_eq!(denied, needs, "{action:?}");
         refused += u32::from(denied);
     }
-    assert_eq!(refused, 4);
+    assert_eq!(refused, 5);
 }
 
 #[test]
@@ -161,7 +176,7 @@ fn a_setpoint_outside_the_envelope_is_refused_with_the_range() {
 #[test]
 fn commands_that_find_no_room_are_refused_and_all_else_is_not() {
     let mut host = Host::new(Provenance::Stored);
-    host.room = false;
+    host.now.takes_command = false;
     for message in acting(NONCE) {
         let action = host.say(message);
         assert!(!matches!(action, Action::Command(_)));
@@ -189,7 +204,7 @@ fn a_record_is_kept_only_with_every_value_in_its_range_and_in_force_only_when_ke
 }
 
 #[test]
-fn telemetry_every_1_to_1000_ticks() {
+fn telemetry_every_1_to_1000_ticks_and_as_often_as_the_line_carries() {
     let mut host = Host::new(Provenance::Stored);
     for every in [1, 5, 1000] {
         assert_eq!(host.say(ToBoard::Telemetry { every }), Action::FrameEvery(every));
@@ -197,6 +212,12 @@ fn telemetry_every_1_to_1000_ticks() {
     for every in [0, 1001, u16::MAX] {
         assert!(matches!(refusal(host.say(ToBoard::Telemetry { every })), Refusal::Range { .. }));
     }
+    let slow = Board { baud: 115_200, ..BOARD };
+    host.board = Conversation::new(slow, parameters(), Provenance::Stored);
+    for every in [1, 7] {
+        assert_eq!(refusal(host.say(ToBoard::Telemetry { every })), Refusal::TooOften { least: 8 });
+    }
+    assert_eq!(host.say(ToBoard::Telemetry { every: 8 }), Action::FrameEvery(8));
 }
 
 #[test]
@@ -242,16 +263,16 @@ proptest! {
             sequence = sequence.next();
             line.push(message.clone());
             let received = if damaged { Err(LinkError::Damaged) } else { Ok(message.clone()) };
-            let first = board.receive(received, true);
+            let first = board.receive(received, &IDLE);
             prop_assert_eq!(first.heard, !damaged);
             if first.heard {
                 prop_assert!(dealt.insert(message.sequence.0));
             }
             let said = Ok(ToBoard::Disarm.numbered(sequence));
-            prop_assert_eq!(board.receive(said, true).action, Action::Disarm);
+            prop_assert_eq!(board.receive(said, &IDLE).action, Action::Disarm);
             sequence = sequence.next();
             for old in line.iter().rev().take(again).rev() {
-                let repeated = board.receive(Ok(old.clone()), true);
+                let repeated = board.receive(Ok(old.clone()), &IDLE);
                 prop_assert_eq!(repeated, Response { heard: false, action: Action::Nothing });
             }
         }

@@ -40,6 +40,7 @@ use crate::replay::{Replayed, Sample};
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::Condition;
 use crate::telemetry::Frame;
+use crate::trial::Attempt;
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +93,7 @@ pub enum ToBoard {
     ClearFault(Nonce),
     /// Start the first-power check, which turns the motors. Ends with [`ToHost::Verdict`].
     Check(Nonce),
-    /// A frame every so many ticks from now on, 1 to 1000.
+    /// A frame every so many ticks from now on, 1 to 1000, and no more often than the line carries them.
     Telemetry {
         /// \[ticks\]
         every: u16,
@@ -102,8 +103,18 @@ pub enum ToBoard {
     /// To be kept in flash and used from now on; only while disarmed. Answered by [`ToHost::Saved`] or
     /// [`ToHost::Refused`].
     WriteParameters(Nonce, Parameters),
-    /// A tick of a record through the controller in force. Answered by [`ToHost::Replayed`].
+    /// A tick of a record through the accepted controller. Answered by [`ToHost::Replayed`].
     Replay(Sample),
+    /// Another controller in flight, as [`crate::trial`] says; only while armed, one at a time. What comes of
+    /// it is in the telemetry.
+    Trial(Nonce, Attempt),
+    /// The controller that is being tried, and flies alone, is the one to go back to from now on.
+    Accept(Nonce),
+    /// Back to the accepted controller.
+    Revert,
+    /// The accepted controller to flash, with the parameters it was tried with; only while disarmed. Answered
+    /// by [`ToHost::Saved`] or [`ToHost::Refused`].
+    Save(Nonce),
 }
 
 impl ToBoard {
@@ -114,6 +125,9 @@ impl ToBoard {
             Self::Arm(nonce)
             | Self::ClearFault(nonce)
             | Self::Check(nonce)
+            | Self::Accept(nonce)
+            | Self::Save(nonce)
+            | Self::Trial(nonce, _)
             | Self::WriteParameters(nonce, _) => Some(*nonce),
             _ => None,
         }
@@ -126,6 +140,9 @@ impl ToBoard {
             Self::Arm(nonce)
             | Self::ClearFault(nonce)
             | Self::Check(nonce)
+            | Self::Accept(nonce)
+            | Self::Save(nonce)
+            | Self::Trial(nonce, _)
             | Self::WriteParameters(nonce, _) => *nonce = now,
             _ => {}
         }
@@ -151,7 +168,7 @@ pub enum ToHost {
     Health(Health),
     /// At boot and when asked.
     Identity(Identity),
-    /// The parameters in force.
+    /// The parameters in force: with the controller that is being tried, while it flies alone.
     Parameters(Parameters),
     /// The parameters are in flash and in force.
     Saved,
@@ -242,6 +259,17 @@ pub enum Refusal {
         field: String<40>,
         /// What is allowed.
         allowed: String<48>,
+    },
+    /// A controller is tried only while armed.
+    NotArmed,
+    /// One controller is tried at a time.
+    TrialUnderWay,
+    /// Only a controller that is being tried and flies alone can be accepted.
+    NothingToAccept,
+    /// The line does not carry frames so often.
+    TooOften {
+        /// \[ticks\] From frame to frame at least.
+        least: u16,
     },
 }
 

@@ -3,17 +3,19 @@
 use super::{Chance, inputs, sound};
 use twinrotor::axes::PerAxis;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
+use twinrotor::controller::ControllerSettings;
 use twinrotor::conversation::commands::{self, Commands};
-use twinrotor::conversation::{Action, Board, Conversation};
+use twinrotor::conversation::{Action, Board, Conversation, Loop};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
-use twinrotor::link::{LinkError, Nonce, Refusal, ToBoard};
+use twinrotor::link::{self, LinkError, Nonce, Refusal, ToBoard};
 use twinrotor::parameters::Provenance;
 use twinrotor::plant::presets::PWM_STEPS;
 use twinrotor::reference::Reference;
 use twinrotor::replay::Sample;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
+use twinrotor::trial::{Attempt, Candidate};
 
 const NONCE: Nonce = Nonce(0x600D_600D);
 
@@ -23,7 +25,7 @@ fn nonce(chance: &mut Chance) -> Nonce {
 
 fn message(chance: &mut Chance) -> ToBoard {
     let both = |chance: &mut Chance| PerAxis::new(chance.float(), chance.float());
-    match chance.below(14) {
+    match chance.below(18) {
         0 => ToBoard::Identify,
         1 => ToBoard::Disarm,
         2 | 3 => {
@@ -41,6 +43,18 @@ fn message(chance: &mut Chance) -> ToBoard {
             wanted: None,
         }),
         12 => ToBoard::WriteParameters(nonce(chance), sound()),
+        13 => {
+            let controller = sound().settings.controller;
+            let law = controller.law.map(|gain| if chance.one_in(20) { chance.float() } else { 0.95 * gain });
+            let fade_ms = u32::from(chance.byte());
+            ToBoard::Trial(
+                nonce(chance),
+                Attempt { controller: ControllerSettings { law, ..controller }, fade_ms, revert_ms: 2_000 },
+            )
+        }
+        14 => ToBoard::Accept(nonce(chance)),
+        15 => ToBoard::Revert,
+        16 => ToBoard::Save(nonce(chance)),
         _ => ToBoard::Alive,
     }
 }
@@ -49,6 +63,8 @@ fn message(chance: &mut Chance) -> ToBoard {
 struct FuzzedBoard {
     conversation: Conversation,
     control: ControlLoop,
+    /// On its way to the loop.
+    candidate: Option<Candidate>,
     /// The last command that was dealt with, by its place among all that were said.
     dealt: Option<u64>,
     /// A request of this boot that lets motors turn has been taken, and nothing has ended it since.
@@ -58,12 +74,13 @@ struct FuzzedBoard {
 
 impl FuzzedBoard {
     fn boot() -> Self {
-        let board = Board { firmware: "0", chip: "none", nonce: NONCE, reset: None };
+        let board = Board { firmware: "0", chip: "none", nonce: NONCE, reset: None, baud: link::BAUD };
         let parameters = sound();
         let drive = Drive::new(PWM_STEPS);
         Self {
             conversation: Conversation::new(board, parameters, Provenance::Stored),
             control: ControlLoop::new(&parameters, CounterWidth::Bits16, PerAxis::both(0), drive, None),
+            candidate: None,
             dealt: None,
             asked: false,
             turned: 0,
@@ -75,9 +92,15 @@ impl FuzzedBoard {
         (place, said): &(u64, Numbered<ToBoard>),
         queue: &mut commands::Sender<'_>,
     ) -> (bool, bool) {
-        let response = self.conversation.receive(Ok(said.clone()), queue.ready());
+        let response = self.conversation.receive(Ok(said.clone()), &self.now(queue.ready()));
         let mut disarm = false;
         match response.action {
+            Action::Try(command) => {
+                assert!(self.candidate.is_none() && said.message.nonce() == Some(NONCE));
+                self.candidate = self.conversation.candidate();
+                assert!(self.candidate.is_some());
+                queue.enqueue(command).expect("the conversation was told that there is room");
+            }
             Action::Command(command) => {
                 assert!(self.dealt.is_none_or(|last| *place > last), "dealt with twice");
                 assert!(said.message.nonce().is_none_or(|nonce| nonce == NONCE));
@@ -96,6 +119,10 @@ impl FuzzedBoard {
             Action::Nothing | Action::Answer(_) | Action::FrameEvery(_) => {}
         }
         (response.heard, disarm)
+    }
+
+    fn now(&self, takes_command: bool) -> Loop {
+        Loop { takes_command, takes_candidate: self.candidate.is_none(), status: self.control.status() }
     }
 
     fn tick(&mut self, given: &Inputs<'_>) {
@@ -128,6 +155,7 @@ fn nothing_is_dealt_with_twice_and_no_motor_turns_without_two_yeses() {
     let (mut sender, mut receiver) = queue.split();
     let mut said: Vec<(u64, Numbered<ToBoard>)> = Vec::new();
     let (mut next, mut counters, mut armed) = (Sequence(1), PerAxis::both(0_u32), 0_u64);
+    let mut tried = 0_u64;
     let (mut quiet, mut place) = (0, 0_u64);
     for _ in 0..inputs() {
         let (mut heard, mut disarm) = (false, false);
@@ -149,7 +177,7 @@ fn nothing_is_dealt_with_twice_and_no_motor_turns_without_two_yeses() {
             let numbered = &said[if again { chance.index(said.len()) } else { 0 }];
             (heard, disarm) = board.hear(numbered, &mut sender);
             if chance.one_in(5) {
-                let damaged = board.conversation.receive(Err(LinkError::Damaged), true);
+                let damaged = board.conversation.receive(Err(LinkError::Damaged), &board.now(true));
                 assert!(!damaged.heard && damaged.action == Action::Nothing);
             }
         }
@@ -161,6 +189,7 @@ fn nothing_is_dealt_with_twice_and_no_motor_turns_without_two_yeses() {
         let senses = Conditions::NONE.with(Condition::EmergencyStop, chance.one_in(3_000));
         let supply = if chance.one_in(10_000) { chance.float() * 60.0 } else { 24.0 };
         let command = commands::next(&mut receiver, disarm).cloned();
+        let trial = board.candidate;
         board.tick(&Inputs {
             counters,
             supply,
@@ -168,18 +197,20 @@ fn nothing_is_dealt_with_twice_and_no_motor_turns_without_two_yeses() {
             senses,
             heard: heard || chance.one_in(100),
             disarm,
-            trial: None,
+            trial: trial.as_ref(),
             command: command.as_ref(),
         });
+        board.candidate.take_if(|trial| commands::is_done_with(trial, command.as_ref(), disarm));
+        tried += u64::from(board.control.is_trying());
         if command.is_some() {
             commands::done(&mut receiver);
         }
         armed += u64::from(board.control.state() == ArmState::Armed);
     }
     println!(
-        "{armed} ticks armed, {} with volts, {} messages stale",
+        "{armed} ticks armed, {tried} with a trial, {} with volts, {} messages stale",
         board.turned,
         board.conversation.stale()
     );
-    assert!(armed > 100 && board.turned > 100, "the experiment reaches what it is about");
+    assert!(armed > 100 && tried > 100 && board.turned > 100, "the experiment reaches what it is about");
 }

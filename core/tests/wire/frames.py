@@ -37,20 +37,28 @@ def text(value):
     return whole(len(value)) + value.encode()
 
 
-def numbered_record():
-    """`Parameters` with everything that may be there: see record.rs."""
-    some, number = b"\x01", itertools.count(1)
+def counting():
+    """A function that gives the next so many numbers, from 1 on."""
+    number = itertools.count(1)
+    return lambda count: b"".join(numbers(1, next(number)) for _ in range(count))
 
-    def f(count):
-        return b"".join(numbers(1, next(number)) for _ in range(count))
 
-    settings = f(1) + f(22) + f(4) + f(2)  # sample time, model, effectiveness, volts limit
-    settings += some + f(4)  # current limit
-    settings += whole(0) + f(4)  # law: backstepping
+def controller(f):
+    """`ControllerSettings` with everything that may be there."""
+    some = b"\x01"
+    settings = whole(0) + f(4)  # law: backstepping
     settings += whole(0) + f(2)  # estimator: filtered derivative
     settings += some + f(2) + some + f(2) + some + f(2) + some + f(2)  # filter
     settings += whole(2) + f(1)  # allocation: weighted
-    settings += some + f(1) + some + f(2)  # lead, cancellation
+    return settings + some + f(1) + some + f(2)  # lead, cancellation
+
+
+def numbered_record():
+    """`Parameters` with everything that may be there: see record.rs."""
+    some, f = b"\x01", counting()
+    settings = f(1) + f(22) + f(4) + f(2)  # sample time, model, effectiveness, volts limit
+    settings += some + f(4)  # current limit
+    settings += controller(f)
     encoders = f(1) + signed(-1) + f(1) + signed(300)
     limits = f(5) + whole(500) + whole(1) + whole(2_000) + f(1) + f(14)  # lost link: hold, 2,000 ticks
     return settings + encoders + limits + some
@@ -72,6 +80,10 @@ def to_board():
     sample = whole(70_000) + signed(-3) + signed(1_000_000) + numbers(2)
     yield "replay", whole(11) + sample + b"\x00"
     yield "replay-wanted", whole(11) + sample + b"\x01" + numbers(6, 3)
+    yield "trial", whole(12) + nonce + controller(counting()) + whole(100) + whole(30_000)
+    yield "accept", whole(13) + nonce
+    yield "revert", whole(14)
+    yield "save", whole(15) + nonce
 
 
 def to_host():
@@ -103,6 +115,9 @@ def to_host():
     yield "refused-setpoint", whole(7) + whole(5) + text("setpoint.angle.pitch") + numbers(2)
     yield "refused-flash", whole(7) + whole(6)
     yield "refused-range", whole(7) + whole(7) + text("limits.pitch") + text("above 0")
+    for number, refusal in enumerate(["not-armed", "trial-under-way", "nothing-to-accept"], start=8):
+        yield f"refused-{refusal}", whole(7) + whole(number)
+    yield "refused-too-often", whole(7) + whole(11) + whole(300)
 
 
 def choices():

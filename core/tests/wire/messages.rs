@@ -1,6 +1,6 @@
 //! Every message, each variant in it, framed.
 
-use crate::record::numbered;
+use crate::record::{controller, numbered};
 use crate::{compare, counting};
 use serde::Serialize;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -14,6 +14,7 @@ use twinrotor::replay::{Replayed, Sample};
 use twinrotor::sequence::Sequence;
 use twinrotor::supervisor::{ArmState, Condition, Conditions};
 use twinrotor::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
+use twinrotor::trial::Attempt;
 
 /// Of the boot that messages are meant for.
 const NONCE: Nonce = Nonce(0x89AB_CDEF);
@@ -56,6 +57,10 @@ fn every_message_to_the_board_is_its_literal() {
         ("write-parameters", ToBoard::WriteParameters(nonce, numbered())),
         ("replay", replay(None)),
         ("replay-wanted", replay(Some(reference(3)))),
+        ("trial", ToBoard::Trial(nonce, Attempt::new(controller(&mut counting(1))))),
+        ("accept", ToBoard::Accept(nonce)),
+        ("revert", ToBoard::Revert),
+        ("save", ToBoard::Save(nonce)),
     ];
     let sequence = (40_000..).map(Sequence);
     let framed = messages.into_iter().zip(sequence).map(|((name, message), sequence)| {
@@ -197,6 +202,10 @@ fn answers() -> Vec<(String, ToHost)> {
         ("refused-setpoint", ToHost::Refused(setpoint)),
         ("refused-flash", ToHost::Refused(Refusal::Flash)),
         ("refused-range", ToHost::Refused(range)),
+        ("refused-not-armed", ToHost::Refused(Refusal::NotArmed)),
+        ("refused-trial-under-way", ToHost::Refused(Refusal::TrialUnderWay)),
+        ("refused-nothing-to-accept", ToHost::Refused(Refusal::NothingToAccept)),
+        ("refused-too-often", ToHost::Refused(Refusal::TooOften { least: 300 })),
     ]
     .map(|(name, message)| (name.to_owned(), message))
     .into()

@@ -46,6 +46,23 @@ fn motor_gains(n: Next<'_>) -> MotorGains<f32> {
 }
 
 /// Everything that may be there is, and every number is the next one.
+pub(crate) fn controller(n: Next<'_>) -> ControllerSettings<f32> {
+    ControllerSettings {
+        law: LawSettings::Backstepping(each_axis(n, |n| AxisGains { position: n(), rate: n() })),
+        estimator: EstimatorSettings::FilteredDerivative { bandwidth: axes(n) },
+        filter: Some(FilterSettings {
+            bandwidth: axes(n),
+            damping: Some(axes(n)),
+            advance: Some(axes(n)),
+            reach: Some(axes(n)),
+        }),
+        allocation: AllocationSettings::Weighted { pitch_weight: n() },
+        lead: Some(Lead { factor: n() }),
+        cancellation: Some(axes(n)),
+    }
+}
+
+/// The same of all parameters.
 pub(crate) fn numbered() -> Parameters {
     let n: Next<'_> = &mut counting(1);
     let model = |n: Next<'_>| PlantParameters {
@@ -60,19 +77,6 @@ pub(crate) fn numbered() -> Parameters {
         rotor_time_constant: motors(n),
         rotor_reaction: motors(n),
         coulomb_friction: axes(n),
-    };
-    let controller = |n: Next<'_>| ControllerSettings {
-        law: LawSettings::Backstepping(each_axis(n, |n| AxisGains { position: n(), rate: n() })),
-        estimator: EstimatorSettings::FilteredDerivative { bandwidth: axes(n) },
-        filter: Some(FilterSettings {
-            bandwidth: axes(n),
-            damping: Some(axes(n)),
-            advance: Some(axes(n)),
-            reach: Some(axes(n)),
-        }),
-        allocation: AllocationSettings::Weighted { pitch_weight: n() },
-        lead: Some(Lead { factor: n() }),
-        cancellation: Some(axes(n)),
     };
     let limits = |n: Next<'_>| Limits {
         pitch: n(),

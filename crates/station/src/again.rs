@@ -16,10 +16,11 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Conditions, Request};
 use twinrotor::telemetry::Frame;
+use twinrotor::trial::{Attempt, Candidate};
 use twinrotor_sim::{Error, Outcome};
 
-/// Flies the ticks of `frames` from zeroing to the last one armed once more, with what the operator `said`, on
-/// `rig` and with `parameters`. Gives how many armed ticks were the same.
+/// Flies the ticks of `frames` from zeroing to the last one armed once more, with what the operator `said` and
+/// had `tried`, on `rig` and with `parameters`. Gives how many armed ticks were the same.
 ///
 /// # Errors
 ///
@@ -29,6 +30,7 @@ pub fn again(
     parameters: &Parameters,
     frames: &[Frame],
     said: &[Numbered<OperatorCommand>],
+    tried: Option<&(Sequence, Attempt)>,
 ) -> Outcome<usize> {
     let missing = |what: &str| Error::Failed(format!("the frames do not say when {what}"));
     let taken = taken(frames);
@@ -40,7 +42,10 @@ pub fn again(
     let zeroed = when(OperatorCommand::Zero).ok_or_else(|| missing("it was zeroed"))?;
     let armed = when(OperatorCommand::Request(Request::Arm)).ok_or_else(|| missing("it was armed"))?;
     let first = frames.iter().find(|frame| frame.tick >= armed).ok_or_else(|| missing("it flew"))?;
+    let candidate = tried.map(|(sequence, attempt)| Candidate::new(parameters, attempt, *sequence));
+    let candidate = candidate.transpose().map_err(Error::from)?;
     let mut host = Host::at_rest(rig, parameters, first.supply);
+    host.candidate = candidate;
     let mut same = 0;
     let mut flown = frames.iter().filter(|frame| frame.tick >= armed).peekable();
     for tick in zeroed.. {
@@ -72,6 +77,7 @@ fn taken(frames: &[Frame]) -> BTreeMap<u32, Sequence> {
 struct Host {
     bench: Bench<f32>,
     control: ControlLoop,
+    candidate: Option<Candidate>,
 }
 
 impl Host {
@@ -83,7 +89,7 @@ impl Host {
         let drive = Drive::new(rig.pwm_steps);
         let parameters = Parameters { checked: true, ..*parameters };
         let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-        let mut host = Self { bench, control };
+        let mut host = Self { bench, control, candidate: None };
         (0..2 * REST_TICKS).for_each(|_| host.tick(None));
         host
     }
@@ -96,7 +102,7 @@ impl Host {
             senses: Conditions::NONE,
             heard: true,
             disarm: false,
-            trial: None,
+            trial: self.candidate.as_ref(),
             command,
         });
         self.bench.tick(outputs.duty, outputs.enable);

@@ -102,6 +102,16 @@ pub fn refusal(refusal: &Refusal) -> String {
         }
         Refusal::Flash => "the board's flash did not hold what was written".to_owned(),
         Refusal::Range { field, allowed } => format!("the board refuses {field}; allowed: {allowed}"),
+        Refusal::NotArmed => "a controller is tried in flight: arm the board first".to_owned(),
+        Refusal::TrialUnderWay => {
+            "the board tries one controller at a time: accept the last one or take it back".to_owned()
+        }
+        Refusal::NothingToAccept => {
+            "no controller that is being tried flies alone now: there is nothing to accept".to_owned()
+        }
+        Refusal::TooOften { least } => {
+            format!("the board's line carries a frame every {least} ms, no more often")
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::*;
 use crate::controller::ControllerSettings;
 use crate::law::LawSettings;
 use crate::telemetry::{InForce, Kept, TrialPhase};
-use crate::trial::{LEAST_ERROR, SHADOW_TICKS};
+use crate::trial::{Attempt, LEAST_ERROR, SHADOW_TICKS};
 
 /// An Aero 2 with its tuned controller, hovering level.
 fn hovering() -> Flight {
@@ -26,8 +26,14 @@ fn own(flight: &Flight) -> ControllerSettings<f32> {
     flight.parameters.settings.controller
 }
 
-fn candidate(flight: &Flight, controller: ControllerSettings<f32>, fade: u32, revert: u32) -> Candidate {
-    Candidate::new(&flight.parameters, controller, fade, revert, Sequence(9)).unwrap()
+fn candidate(
+    flight: &Flight,
+    controller: ControllerSettings<f32>,
+    fade_ms: u32,
+    revert_ms: u32,
+) -> Candidate {
+    let attempt = Attempt { controller, fade_ms, revert_ms };
+    Candidate::new(&flight.parameters, &attempt, Sequence(9)).unwrap()
 }
 
 /// The same law with gains that differ.
@@ -121,8 +127,8 @@ fn a_controller_that_swings_up_is_taken_back() {
     let law = LawSettings::Backstepping(Gains { pitch: wild(40.0), yaw: wild(40.0) });
     let controller = ControllerSettings { law, ..own(&flight) };
     flight.candidate = Some(candidate(&flight, controller, 100, 60_000));
-    flight.tick(setpoint(0.1, 0.1));
-    assert_eq!(flight.run(10_000, None), None);
+    flight.tick(None);
+    assert_eq!(flight.run(10_000, setpoint(0.1, 0.1)), None);
     let frame = flight.control.frame();
     assert_eq!((frame.state, frame.controller), (ArmState::Armed, InForce::default()));
     assert!((frame.angle.pitch - 0.1).abs() < LEAST_ERROR && (frame.angle.yaw - 0.1).abs() < LEAST_ERROR);
@@ -150,11 +156,11 @@ fn disarming_a_hazard_and_a_lost_link_end_a_trial() {
 #[test]
 fn what_cannot_be_tried_is_named() {
     let flight = hovering();
-    let refused = |controller, fade, revert| {
-        Candidate::new(&flight.parameters, controller, fade, revert, Sequence(1)).unwrap_err().field
+    let refused = |controller, fade_ms, revert_ms| {
+        Attempt { controller, fade_ms, revert_ms }.validate().unwrap_err().field
     };
-    assert_eq!(refused(own(&flight), 0, 1_000), "trial.fade");
-    assert_eq!(refused(own(&flight), 100, 600_001), "trial.revert");
+    assert_eq!(refused(own(&flight), 0, 1_000), "trial.fade_ms");
+    assert_eq!(refused(own(&flight), 100, 600_001), "trial.revert_ms");
     let controller = ControllerSettings { law: own(&flight).law.map(|_| f32::NAN), ..own(&flight) };
     assert_eq!(refused(controller, 100, 1_000), "trial.controller");
 }

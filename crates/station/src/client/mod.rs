@@ -35,6 +35,8 @@ pub enum Question {
     Read,
     /// Keep these, which are then read back and compared.
     Write(Box<Parameters>),
+    /// Keep the accepted controller; what is kept is then read back.
+    Save,
     /// What do estimator and law make of these ticks, from sample 0 on in order?
     Replay(Vec<Sample>),
 }
@@ -44,7 +46,7 @@ pub enum Question {
 pub enum Answer {
     /// Who is there.
     Identity(Identity),
-    /// The parameters in force, those just written too.
+    /// The parameters in force, those just written or saved too.
     Parameters(Box<Parameters>),
     /// A tick for each sample.
     Replayed(Vec<Replayed>),
@@ -174,6 +176,7 @@ impl Client {
                 self.send_samples(samples);
                 None
             }
+            Question::Save => Some(ToBoard::Save(Nonce::default())),
         };
         if let Some(message) = message {
             self.send(&message);
@@ -241,10 +244,10 @@ impl Client {
     fn take(&mut self, mut pending: Pending, message: &ToHost, now: Duration) -> Option<Outcome<Answer>> {
         match (&pending.question, message) {
             (Question::Identify, ToHost::Identity(identity)) => return Some(of_our_version(identity)),
-            (Question::Read, ToHost::Parameters(parameters)) => {
+            (Question::Read | Question::Save, ToHost::Parameters(parameters)) => {
                 return Some(Ok(Answer::Parameters(Box::new(*parameters))));
             }
-            (Question::Write(_), ToHost::Saved) => {
+            (Question::Write(_) | Question::Save, ToHost::Saved) => {
                 self.send(&ToBoard::ReadParameters);
                 pending.deadline = now + PATIENCE;
             }
@@ -266,7 +269,7 @@ impl Client {
                     self.send_samples(&samples[done..]);
                 }
             }
-            (Question::Write(_) | Question::Replay(_), ToHost::Refused(refusal)) => {
+            (Question::Write(_) | Question::Save | Question::Replay(_), ToHost::Refused(refusal)) => {
                 return Some(Err(Error::Failed(words::refusal(refusal))));
             }
             _ => {}

@@ -2,7 +2,8 @@ use super::*;
 use std::collections::VecDeque;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::conversation::{self, Action, Conversation};
+use twinrotor::control_loop::Status;
+use twinrotor::conversation::{self, Action, Conversation, Loop};
 use twinrotor::gains;
 use twinrotor::link::Refusal;
 use twinrotor::parameters::Provenance;
@@ -10,10 +11,28 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;
 use twinrotor::replay::Replay;
 use twinrotor::sequence::Numbered;
-use twinrotor::telemetry::Frame;
+use twinrotor::telemetry::{Frame, TrialPhase};
 
 fn parameters() -> Parameters {
     Parameters::new(&presets::AERO, &Settings::paper(&presets::AERO, gains::PAPER, SAMPLE_TIME))
+}
+
+/// A board's loop, with room for everything.
+const IDLE: Loop = Loop {
+    takes_command: true,
+    takes_candidate: true,
+    status: Status { armed: false, flash_may_be_written: true, trial: TrialPhase::None, accepted: None },
+};
+
+fn board(nonce: u32) -> Conversation {
+    let board = conversation::Board {
+        firmware: "0.1.0",
+        chip: "stm32f405rg",
+        nonce: Nonce(nonce),
+        reset: None,
+        baud: link::BAUD,
+    };
+    Conversation::new(board, parameters(), Provenance::Missing)
 }
 
 /// A board that answers as the firmware does, telemetry and noise in between.
@@ -28,11 +47,9 @@ struct Wire {
 
 impl Default for Wire {
     fn default() -> Self {
-        let board =
-            conversation::Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: Nonce(7), reset: None };
-        let mut board = Conversation::new(board, parameters(), Provenance::Missing);
+        let mut board = board(7);
         // It has talked to somebody before.
-        board.receive(Ok(ToBoard::Alive.numbered(Sequence(20_000))), true);
+        board.receive(Ok(ToBoard::Alive.numbered(Sequence(20_000))), &IDLE);
         Self {
             decoder: Decoder::new(),
             board,
@@ -55,7 +72,7 @@ impl Wire {
     fn take(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             let Some(received) = self.decoder.push(byte) else { continue };
-            match self.board.receive(received, true).action {
+            match self.board.receive(received, &IDLE).action {
                 Action::Answer(ToHost::Identity(identity)) => {
                     self.say(&ToHost::Identity(Identity { parameters: self.version, ..identity }));
                 }
@@ -193,8 +210,7 @@ fn a_board_is_met_before_it_is_asked_for_anything_but_motors_off() {
     client.request(Request::Check);
     assert_eq!(said(&mut client), [ToBoard::Check(Nonce(7)).numbered(Sequence(20_003))]);
     // Another boot has another nonce.
-    let board = conversation::Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: Nonce(8), reset: None };
-    wire.board = Conversation::new(board, parameters(), Provenance::Missing);
+    wire.board = board(8);
     let identity = link::encode(&wire.board.identity(), &mut [0; MAX_FRAME]).unwrap().to_vec();
     client.push(&identity, Duration::ZERO);
     client.request(Request::Check);

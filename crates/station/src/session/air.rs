@@ -8,7 +8,7 @@ use twinrotor::control_loop::OperatorCommand;
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::ArmState;
-use twinrotor::telemetry::Frame;
+use twinrotor::telemetry::{Frame, Kept, TrialPhase};
 
 /// \[rad\], \[rad/s\] What counts as level and at rest.
 const LEVEL: (f32, f32) = (0.02, 0.05);
@@ -16,6 +16,9 @@ const LEVEL: (f32, f32) = (0.02, 0.05);
 const STEADY: u32 = 1_000;
 /// \[ticks\] After which a leg begins although it is not.
 const LONGEST_RISE: u32 = 20_000;
+
+/// How long a controller may take to come into force: its shadow, and the longest fading.
+const CHANGE: Duration = Duration::from_secs(12);
 
 /// On the way to level, before a leg.
 #[derive(Debug, Clone, Copy)]
@@ -47,11 +50,13 @@ impl Session {
                 ArmState::Fault(cause) => self.stopped(cause),
                 _ => {}
             },
-            Phase::Rising(_) | Phase::Flying { .. } | Phase::Descending { .. } => match frame.state {
-                ArmState::Armed => self.look_in_the_air(frame),
-                ArmState::Fault(cause) => self.stopped(cause),
-                _ => self.end(Ending::Stopped("somebody else has disarmed the board".to_owned())),
-            },
+            Phase::Rising(_) | Phase::Flying { .. } | Phase::Changing { .. } | Phase::Descending { .. } => {
+                match frame.state {
+                    ArmState::Armed => self.look_in_the_air(frame),
+                    ArmState::Fault(cause) => self.stopped(cause),
+                    _ => self.end(Ending::Stopped("somebody else has disarmed the board".to_owned())),
+                }
+            }
             _ => {}
         }
     }
@@ -78,14 +83,51 @@ impl Session {
                     *begin = Begin::In(tick);
                     self.events.push_back(Event::Begins { leg, tick });
                 }
+                if frame.controller.trial == TrialPhase::FadingOut {
+                    self.taken_back();
+                }
+            }
+            Phase::Changing { leg, begun, .. } => {
+                let leg = *leg;
+                *begun |= frame.controller.trial != TrialPhase::None;
+                let (trial, begun) = (frame.controller.trial, *begun);
+                match self.plan.legs.get(leg) {
+                    Some(Leg::Try(_)) if trial == TrialPhase::Flying => {
+                        self.step("tried", "the other controller flies alone");
+                        self.phase = Phase::Rising(Leave::new(leg + 1, frame.tick));
+                    }
+                    Some(Leg::Try(_)) if trial == TrialPhase::FadingOut => {
+                        self.taken_back();
+                        self.land(frame.tick, PerAxis::zero());
+                    }
+                    Some(Leg::Accept) if begun && trial == TrialPhase::None => {
+                        self.accepted = frame.controller.accepted == Kept::Unsaved;
+                        self.step("accepted", "the other controller is in force until the power goes");
+                        self.phase = Phase::Rising(Leave::new(leg + 1, frame.tick));
+                    }
+                    Some(Leg::Revert) if trial == TrialPhase::None => {
+                        self.step("reverted", "the accepted controller flies again");
+                        self.phase = Phase::Rising(Leave::new(leg + 1, frame.tick));
+                    }
+                    _ => {}
+                }
             }
             _ => {}
         }
     }
 
+    /// The board has ended a trial by itself. Told once.
+    fn taken_back(&mut self) {
+        if self.flaw.is_none() {
+            let why = "the board has taken the trial back: its errors were beyond twice those before";
+            self.step("taken back", why);
+            self.flaw = Some(why.to_owned());
+        }
+    }
+
     /// What is due in the air by the last frame.
-    pub(super) fn go_on_in_the_air(&mut self, _now: Duration) {
-        let Some(Frame { tick, reference, .. }) = self.frame else { return };
+    pub(super) fn go_on_in_the_air(&mut self, now: Duration) {
+        let Some(Frame { tick, .. }) = self.frame else { return };
         match &mut self.phase {
             Phase::Rising(leave) => {
                 let leave = *leave;
@@ -94,7 +136,7 @@ impl Session {
                     if !level {
                         self.step("unsteady", "the rig does not come to rest at level; the flight begins");
                     }
-                    self.begin(leave.leg, tick);
+                    self.begin(leave.leg, tick, now);
                 }
             }
             Phase::Flying { course, begin, leg } => {
@@ -107,8 +149,12 @@ impl Session {
                     self.command(OperatorCommand::Setpoint(setpoint));
                 }
                 if over {
-                    self.land_or_go_on(leg, tick, reference);
+                    self.land_or_go_on(leg, tick);
                 }
+            }
+            Phase::Changing { until, .. } if now >= *until => {
+                self.flaw = Some("the board does not change its controller".to_owned());
+                self.land(tick, PerAxis::zero());
             }
             Phase::Descending { course, from } => {
                 let gone = tick.wrapping_sub(*from);
@@ -118,15 +164,32 @@ impl Session {
                 }
                 if over {
                     self.step("down", "at the rest pose");
-                    self.end(Ending::Flown);
+                    self.end(self.flaw.clone().map_or(Ending::Flown, Ending::Trouble));
                 }
             }
             _ => {}
         }
     }
 
-    fn begin(&mut self, leg: usize, tick: u32) {
+    fn begin(&mut self, leg: usize, tick: u32, now: Duration) {
+        let changing = Phase::Changing { leg, begun: false, until: now + CHANGE };
         match self.plan.legs.get(leg) {
+            Some(Leg::Try(attempt)) => {
+                let attempt = **attempt;
+                self.step("trying", "the other controller computes beside, then its volts fade in");
+                self.attempt(attempt);
+                self.phase = changing;
+            }
+            Some(Leg::Accept | Leg::Revert) if self.flaw.is_some() => self.land(tick, PerAxis::zero()),
+            Some(Leg::Accept) => {
+                self.command(OperatorCommand::Accept);
+                // A trial is under way: that it ends is what is waited for.
+                self.phase = Phase::Changing { leg, begun: true, until: now + CHANGE };
+            }
+            Some(Leg::Revert) => {
+                self.command(OperatorCommand::Revert);
+                self.phase = changing;
+            }
             Some(Leg::Fly(references)) => {
                 let mut course = Course::new(references.clone());
                 let first = course.due(0).unwrap_or_else(|| Reference::at_rest(PerAxis::zero()));
@@ -140,7 +203,7 @@ impl Session {
         }
     }
 
-    fn land_or_go_on(&mut self, leg: usize, tick: u32, _reference: PerAxis<f32>) {
+    fn land_or_go_on(&mut self, leg: usize, tick: u32) {
         let Phase::Flying { course, .. } = &self.phase else { return };
         let end = course.end();
         if leg + 1 < self.plan.legs.len() {

@@ -163,6 +163,17 @@ impl Session {
                 self.step("written", "the parameters read back the same, bit for bit");
                 self.phase = Phase::Settling { until: now + PROMPT };
             }
+            Phase::Saving => {
+                let wanted = self.tried.map(|(_, attempt)| attempt.controller);
+                let saved = wanted == Some(kept.settings.controller);
+                let ending = if saved {
+                    self.step("saved", "the board boots with the accepted controller from now on");
+                    Ending::Flown
+                } else {
+                    Ending::Trouble("the board saved another controller than was accepted".to_owned())
+                };
+                self.end(ending);
+            }
             _ => {}
         }
     }

@@ -11,133 +11,30 @@ mod air;
 mod clock;
 mod course;
 mod ground;
+mod plan;
 #[cfg(test)]
 mod tests;
 
 use crate::client::{self, Answer, Client, Question};
-use crate::differences::Difference;
 use crate::switch_off::SwitchOff;
 use crate::words;
+pub use plan::{End, Ending, Event, Leg, Motors, Plan, Wish, Write};
+
 use air::Leave;
 use clock::Clock;
 use course::Course;
 use std::collections::VecDeque;
 use std::time::Duration;
 use twinrotor::control_loop::OperatorCommand;
-use twinrotor::link::{Health, Identity, Nonce, ToBoard, ToHost};
-use twinrotor::parameters::Parameters;
-use twinrotor::reference::Reference;
+use twinrotor::link::{Identity, Nonce, ToBoard, ToHost};
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::Request;
 use twinrotor::telemetry::Frame;
+use twinrotor::trial::Attempt;
 use twinrotor_sim::Outcome;
 
 /// How long a board may say nothing at all.
 const SILENCE: Duration = Duration::from_secs(1);
-
-/// What is to be done with a board.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// What it should fly with.
-    pub parameters: Parameters,
-    /// What is done about a board that has other ones.
-    pub write: Write,
-    /// Ask before anything turns or is moved by hand.
-    pub ask: bool,
-    /// \[ticks\] From frame to frame.
-    pub frame_every: u16,
-    /// What to fly, one after the other, each from level.
-    pub legs: Vec<Leg>,
-}
-
-/// What is done about a board with other parameters than are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Write {
-    /// The session ends.
-    Never,
-    /// The operator is asked.
-    Ask,
-    /// They are written.
-    Always,
-}
-
-/// A part of a flight.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Leg {
-    /// These references, a tick each, from level.
-    Fly(Vec<Reference<f32>>),
-}
-
-/// What a session needs the operator's word for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Wish {
-    /// To write the parameters that are asked for over those of the board.
-    Write,
-    /// To run the first-power check.
-    Check,
-    /// To have the rig lie still in its rest pose.
-    Rest,
-    /// To turn the motors.
-    Arm,
-}
-
-/// What a session has to tell.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one at a time, and soon read")]
-pub enum Event {
-    /// A step, in a word, and what came of it.
-    Step(&'static str, String),
-    /// What the board has otherwise than is asked for.
-    Differs(Vec<Difference>),
-    /// It waits for [`Session::answer`].
-    Asks(Wish),
-    /// A tick of the board.
-    Frame(Frame),
-    /// How the board is.
-    Health(Health),
-    /// A leg has begun in that tick: its first setpoint was taken.
-    Begins {
-        /// Of the plan's legs, counted from 0.
-        leg: usize,
-        /// The board's.
-        tick: u32,
-    },
-    /// It is over.
-    Over(End),
-}
-
-/// How a session ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct End {
-    /// Why.
-    pub ending: Ending,
-    /// What became of the motors.
-    pub motors: Motors,
-}
-
-/// Why a session ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Ending {
-    /// All was flown.
-    Flown,
-    /// It could not go on.
-    Trouble(String),
-    /// The board ended the flight.
-    Stopped(String),
-    /// It was to end.
-    Interrupted,
-}
-
-/// What became of the motors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Motors {
-    /// Nothing was ever said that turns them.
-    NeverTurned,
-    /// The board has said that they are off.
-    SeenOff,
-    /// It was told to, and has not said so.
-    NotSeenOff,
-}
 
 /// Where a session stands.
 #[derive(Debug)]
@@ -154,8 +51,10 @@ enum Phase {
     Arming { until: Duration },
     Rising(Leave),
     Flying { leg: usize, course: Course, begin: Begin },
+    Changing { leg: usize, begun: bool, until: Duration },
     Descending { course: Course, from: u32 },
     Off { off: SwitchOff, ending: Ending },
+    Saving,
     Asking(Wish),
     Over,
 }
@@ -187,6 +86,10 @@ pub struct Session {
     passed: bool,
     asked_to_arm: bool,
     said: Vec<Numbered<OperatorCommand>>,
+    tried: Option<(Sequence, Attempt)>,
+    /// What keeps the flight from having been all that was planned.
+    flaw: Option<String>,
+    accepted: bool,
     noise: usize,
     echo: client::Echo,
 }
@@ -213,6 +116,9 @@ impl Session {
             passed: false,
             asked_to_arm: false,
             said: Vec::new(),
+            tried: None,
+            flaw: None,
+            accepted: false,
             noise: 0,
             echo: client::Echo::default(),
         }
@@ -239,7 +145,8 @@ impl Session {
         if let Some(client::Event::Answered(outcome)) = self.client.poll(now) {
             self.answered(outcome);
         }
-        let waits_for_flash = matches!(self.phase, Phase::Finding | Phase::Writing | Phase::Off { .. });
+        let waits_for_flash =
+            matches!(self.phase, Phase::Finding | Phase::Writing | Phase::Off { .. } | Phase::Saving);
         if !waits_for_flash && !self.is_over() && now >= self.heard + SILENCE {
             self.end(Ending::Trouble("the board has fallen silent".to_owned()));
         }
@@ -277,6 +184,11 @@ impl Session {
         &self.said
     }
 
+    /// The controller that was tried, and the number of the message.
+    pub const fn tried(&self) -> Option<&(Sequence, Attempt)> {
+        self.tried.as_ref()
+    }
+
     /// The operator agrees to what was asked, or does not.
     pub fn answer(&mut self, agrees: bool) {
         let Phase::Asking(wish) = &self.phase else { return };
@@ -298,7 +210,9 @@ impl Session {
         if matches!(self.phase, Phase::Off { .. } | Phase::Over) {
             return;
         }
-        if self.turns {
+        if matches!(self.phase, Phase::Saving) {
+            self.over(End { ending, motors: Motors::SeenOff });
+        } else if self.turns {
             self.phase = Phase::Off { off: SwitchOff::new(self.clock.now()), ending };
         } else {
             self.over(End { ending, motors: Motors::NeverTurned });
@@ -328,13 +242,24 @@ impl Session {
             OperatorCommand::Request(Request::Disarm) => ToBoard::Disarm,
             OperatorCommand::Setpoint(setpoint) => ToBoard::Setpoint(setpoint),
             OperatorCommand::Zero => ToBoard::Zero,
-            OperatorCommand::Accept | OperatorCommand::Revert => return Sequence::default(),
+            OperatorCommand::Accept => ToBoard::Accept(nonce),
+            OperatorCommand::Revert => ToBoard::Revert,
+            // What it is about has to be said with it.
+            OperatorCommand::Try => return Sequence::default(),
         };
         self.turns |= matches!(command, OperatorCommand::Request(Request::Arm | Request::Check));
         // The board has said who it is before anything is commanded.
         let sequence = self.client.send(&message).unwrap_or_default();
         self.said.push(Numbered { sequence, message: command });
         sequence
+    }
+
+    /// Says that a controller is to be tried.
+    fn attempt(&mut self, attempt: Attempt) {
+        let message = ToBoard::Trial(Nonce::default(), attempt);
+        let sequence = self.client.send(&message).unwrap_or_default();
+        self.said.push(Numbered { sequence, message: OperatorCommand::Try });
+        self.tried = Some((sequence, attempt));
     }
 
     fn answered(&mut self, outcome: Outcome<Answer>) {
@@ -396,7 +321,12 @@ impl Session {
             if off.is_over(now) {
                 let motors = if off.is_seen() { Motors::SeenOff } else { Motors::NotSeenOff };
                 let ending = ending.clone();
-                self.over(End { ending, motors });
+                if self.plan.save && self.accepted && ending == Ending::Flown && motors == Motors::SeenOff {
+                    self.client.ask(Question::Save, now);
+                    self.phase = Phase::Saving;
+                } else {
+                    self.over(End { ending, motors });
+                }
             }
             return;
         }

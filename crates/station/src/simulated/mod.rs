@@ -6,17 +6,18 @@ use twinrotor::bench::Bench;
 use twinrotor::control_loop::{ControlLoop, Inputs};
 use twinrotor::conversation::commands::{self, Commands};
 use twinrotor::conversation::outgoing::{Outgoing, Waiting};
-use twinrotor::conversation::{Action, Board, Conversation};
+use twinrotor::conversation::{Action, Board, Conversation, Loop};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
 use twinrotor::first_power::Verdict;
-use twinrotor::link::{Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, encode};
+use twinrotor::link::{BAUD, Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, encode};
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, Parameters};
 use twinrotor::plant::presets::Rig;
 use twinrotor::supervisor::{ArmState, Conditions};
 use twinrotor::telemetry::Frame;
+use twinrotor::trial::Candidate;
 
 /// \[ticks\] From frame to frame, until the host says otherwise; the firmware's.
 const FRAME_EVERY: u16 = 5;
@@ -33,6 +34,8 @@ pub struct SimulatedBoard {
     built_in: Parameters,
     pwm_steps: u32,
     commands: Commands,
+    /// To be tried, until the loop has taken it.
+    candidate: Option<Candidate>,
     disarm: bool,
     heard: bool,
     frame_every: u16,
@@ -90,6 +93,7 @@ impl SimulatedBoard {
             built_in,
             pwm_steps: rig.pwm_steps,
             commands: Commands::new(),
+            candidate: None,
             disarm: false,
             heard: false,
             frame_every: FRAME_EVERY,
@@ -116,6 +120,7 @@ impl SimulatedBoard {
             flash,
             reports,
             commands: Commands::new(),
+            candidate: None,
             disarm: false,
             heard: false,
             frame_every: FRAME_EVERY,
@@ -133,7 +138,12 @@ impl SimulatedBoard {
         for &byte in bytes {
             let Some(received) = self.decoder.push(byte) else { continue };
             let (mut sender, _) = self.commands.split();
-            let response = self.conversation.receive(received, sender.ready());
+            let now = Loop {
+                takes_command: sender.ready(),
+                takes_candidate: self.candidate.is_none(),
+                status: self.control.status(),
+            };
+            let response = self.conversation.receive(received, &now);
             self.heard |= response.heard;
             match response.action {
                 Action::Nothing => {}
@@ -141,6 +151,10 @@ impl SimulatedBoard {
                 Action::Disarm => self.disarm = true,
                 Action::Command(command) => {
                     // The conversation was told that there is room.
+                    let _ = sender.enqueue(command);
+                }
+                Action::Try(command) => {
+                    self.candidate = self.conversation.candidate();
                     let _ = sender.enqueue(command);
                 }
                 Action::FrameEvery(ticks) => self.frame_every = ticks,
@@ -175,9 +189,10 @@ impl SimulatedBoard {
             senses: self.senses.union(self.conversation.standing()),
             heard: std::mem::take(&mut self.heard),
             disarm,
-            trial: None,
+            trial: self.candidate.as_ref(),
             command,
         });
+        self.candidate.take_if(|candidate| commands::is_done_with(candidate, command, disarm));
         if command.is_some() {
             commands::done(&mut receiver);
         }
@@ -228,8 +243,13 @@ fn boot(
     let (parameters, provenance) = parameters::load(flash, &mut [0; SLOT_SIZE], || built_in);
     let drive = Drive::new(pwm_steps);
     let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-    let board =
-        Board { firmware: env!("CARGO_PKG_VERSION"), chip: "simulated", nonce: Nonce(boots), reset: None };
+    let board = Board {
+        firmware: env!("CARGO_PKG_VERSION"),
+        chip: "simulated",
+        nonce: Nonce(boots),
+        reset: None,
+        baud: BAUD,
+    };
     (control, Conversation::new(board, parameters, provenance))
 }
 

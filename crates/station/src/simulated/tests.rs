@@ -1,3 +1,5 @@
+mod trial;
+
 use super::*;
 use crate::{Client, Event, Heard, Question};
 use std::time::Duration;

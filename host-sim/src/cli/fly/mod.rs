@@ -22,6 +22,8 @@ use twinrotor::conversation::goal;
 use twinrotor::defaults;
 use twinrotor::link::{BAUD, Refusal, ticks_per_frame};
 use twinrotor::parameters::Parameters;
+use twinrotor::real::Real;
+use twinrotor::trial::Attempt;
 use twinrotor_sim::flight::{self, Fidelity, Flight, Plan as Simulation, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
@@ -47,6 +49,15 @@ pub(super) struct Args {
     /// What to fly: step, 1, 2, 3, 3-square, or a FILE.toml of your own
     #[arg(long, default_value = "step")]
     scenario: String,
+    /// Try these gains in flight: the scenario is flown with --gains, then with them, and both are shown
+    #[arg(long, value_name = "FILE")]
+    trial: Option<String>,
+    /// Keep the gains of --trial in force, unless the board has taken them back
+    #[arg(long, requires = "trial")]
+    accept: bool,
+    /// Keep them in the board's flash, too
+    #[arg(long, requires = "accept")]
+    save: bool,
     /// Keep every frame from zeroing on: .csv, as identify and replay read it, .parquet or .mcap
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -73,11 +84,17 @@ pub(super) struct Args {
     json: bool,
 }
 
+/// \[s\] Longest scenario that gains are tried in.
+const LONGEST_TRIAL: f64 = 540.0;
+/// \[s\] That a trial may take beside the scenario.
+const TRIAL_MARGIN: f64 = 60.0;
+
 /// What is to be flown.
 struct Task {
     named: NamedRig,
     gains: GainsFile,
     gains_name: String,
+    trial: Option<GainsFile>,
     scenario: Scenario,
     parameters: Parameters,
     notes: Vec<String>,
@@ -144,7 +161,15 @@ fn task(args: &Args) -> Outcome<Task> {
         notes.push("the scenario's disturbance is left out: nothing but the air disturbs a rig".to_owned());
     }
     refuse_out_of_range(&scenario, &parameters)?;
-    Ok(Task { named, gains, gains_name, scenario, parameters, notes })
+    let trial = args.trial.as_ref().map(|name| files::gains("--trial", name)).transpose()?;
+    if trial.is_some() && scenario.duration > LONGEST_TRIAL {
+        return Err(Failure::Input(format!(
+            "--scenario {} lasts {} s; allowed: at most {LONGEST_TRIAL} s with --trial, which a board ends \
+             after 10 minutes",
+            scenario.name, scenario.duration
+        )));
+    }
+    Ok(Task { named, gains, gains_name, trial, scenario, parameters, notes })
 }
 
 /// Before anything is armed: a scenario that a board would refuse a setpoint of.
@@ -171,6 +196,16 @@ fn refuse_out_of_range(scenario: &Scenario, parameters: &Parameters) -> Outcome<
 }
 
 fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
+    let fly = || Leg::Fly(task.scenario.references());
+    let mut legs = vec![fly()];
+    if let Some(trial) = &task.trial {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 10 minutes")]
+        let revert_ms = ((task.scenario.duration + TRIAL_MARGIN) * 1e3) as u32;
+        let controller = trial.settings(&task.named.rig).map(f32::from_f64).controller;
+        let last = if args.accept { Leg::Accept } else { Leg::Revert };
+        let attempt = Attempt { revert_ms, ..Attempt::new(controller) };
+        legs.extend([Leg::Try(Box::new(attempt)), fly(), last]);
+    }
     Plan {
         parameters: task.parameters,
         write: match (args.write, args.yes) {
@@ -180,7 +215,8 @@ fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
         },
         ask: !simulated && !args.yes,
         frame_every: ticks_per_frame(BAUD),
-        legs: vec![Leg::Fly(task.scenario.references())],
+        legs,
+        save: args.save,
     }
 }
 
@@ -209,16 +245,24 @@ fn conclude(
         failure.is_none().then_some(told)
     });
     let flight = flown_.begins.first().map(|begin| flown(frames, *begin, rig, &task.scenario));
+    let tried = flown_.begins.get(1).map(|begin| flown(frames, *begin, rig, &task.scenario));
     let simulated = flight.as_ref().map(|_| simulate(args, task)).transpose()?;
     if let (Some(path), Some(flight), Some(simulated)) = (&args.plot, &flight, &simulated) {
         let title =
             format!("{}, scenario {}, {} gains", task.named.name, task.scenario.name, task.gains_name);
-        let figure =
-            figures::comparison(&title, [("simulated", simulated), ("flown", flight)], rig.volts_limit);
+        let flights = match &tried {
+            Some(tried) => [("accepted", flight), ("tried", tried)],
+            None => [("simulated", simulated), ("flown", flight)],
+        };
+        let figure = figures::comparison(&title, flights, rig.volts_limit);
         failure = failure.or(figure::write(&figure, path).err());
     }
     let verify = end.ending == Ending::Flown && (args.verify || args.port == "sim");
-    let verified = if verify { Some(again(rig, &task.parameters, frames, session.said())) } else { None };
+    let verified = if verify {
+        Some(again(rig, &task.parameters, frames, session.said(), session.tried()))
+    } else {
+        None
+    };
     let document = Document {
         preset: &task.named.name,
         scenario: &task.scenario.name,
@@ -235,6 +279,7 @@ fn conclude(
         frames_dropped: flown_.health.map(|health| health.frames_dropped),
         flown: flight.as_ref().map(|flight| flight.report),
         simulated: simulated.as_ref().map(|flight| flight.report),
+        tried: tried.as_ref().map(|flight| flight.report),
         difference: flight.as_ref().zip(simulated.as_ref()).map(|(a, b)| Differences::new(a, b)),
         verified_ticks: verified.as_ref().and_then(|verified| verified.as_ref().ok()).copied(),
         record,

@@ -1,6 +1,7 @@
 //! What `fly` has to say of a flight.
 
 use super::desk::Step;
+use crate::cli::tables::{self, percent, seconds};
 use crate::files::recording::Gaps;
 use serde::Serialize;
 use std::fmt::Write;
@@ -59,6 +60,7 @@ pub(super) struct Document<'a> {
     pub(super) frames_dropped: Option<u32>,
     pub(super) flown: Option<Report>,
     pub(super) simulated: Option<Report>,
+    pub(super) tried: Option<Report>,
     pub(super) difference: Option<Differences>,
     pub(super) verified_ticks: Option<usize>,
     pub(super) record: Option<String>,
@@ -80,6 +82,9 @@ impl Document<'_> {
                 pitch.rms_deg, pitch.worst_deg, yaw.rms_deg, yaw.worst_deg
             );
         }
+        if let (Some(flown), Some(tried)) = (&self.flown, &self.tried) {
+            let _ = writeln!(text, "\n{}", side_by_side(flown, tried));
+        }
         if let Some(ticks) = self.verified_ticks {
             let _ = writeln!(text, "flown once more here: the same in all {ticks} ticks, bit for bit");
         }
@@ -95,6 +100,23 @@ impl Document<'_> {
         }
         text
     }
+}
+
+/// The controller that was in force beside the one that was tried.
+fn side_by_side(accepted: &Report, tried: &Report) -> impl std::fmt::Display {
+    let mut table = tables::table(&["", "accepted", "tried"]);
+    let mut row = |name: &str, of: &dyn Fn(&Report) -> String| {
+        tables::add(&mut table, [name.to_owned(), of(accepted), of(tried)]);
+    };
+    row("settling 2 %, pitch [s]", &|r| seconds(r.pitch.settling_time_2));
+    row("settling 2 %, yaw [s]", &|r| seconds(r.yaw.settling_time_2));
+    row("overshoot, pitch [%]", &|r| percent(r.pitch.overshoot_percent));
+    row("overshoot, yaw [%]", &|r| percent(r.yaw.overshoot_percent));
+    row("ISE, pitch [rad² s]", &|r| format!("{:.6}", r.pitch.ise));
+    row("ISE, yaw [rad² s]", &|r| format!("{:.6}", r.yaw.ise));
+    row("peak volts, main [V]", &|r| format!("{:.2}", r.main.peak_volts));
+    row("peak volts, tail [V]", &|r| format!("{:.2}", r.tail.peak_volts));
+    table
 }
 
 /// A step as a line.
