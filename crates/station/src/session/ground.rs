@@ -38,11 +38,15 @@ impl Session {
                     .to_owned(),
             );
         }
-        (self.noise > 0 && self.frame.is_none()).then(|| {
+        if self.frame.is_some() {
+            let why = "the board speaks and does not answer: is the line on which it listens connected?";
+            return Some(why.to_owned());
+        }
+        (self.bytes > 0).then(|| {
             format!(
-                "the port gave {} pieces that are no messages, and no answer: is this its port, does the \
-                 board run this firmware, at {} baud?",
-                self.noise,
+                "the port gave {} bytes that are no messages, and no answer: is this its port, does the board \
+                 run this firmware, at {} baud?",
+                self.bytes,
                 link::BAUD
             )
         })

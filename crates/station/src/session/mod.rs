@@ -33,8 +33,9 @@ use twinrotor::telemetry::Frame;
 use twinrotor::trial::Attempt;
 use twinrotor_sim::Outcome;
 
-/// How long a board may say nothing at all.
-const SILENCE: Duration = Duration::from_secs(1);
+/// How long a board may say nothing at all. It switches its motors off itself when it has not heard its host
+/// for half a second; that it is not heard may be a busy computer's fault.
+const SILENCE: Duration = Duration::from_secs(2);
 
 /// Where a session stands.
 #[derive(Debug)]
@@ -90,7 +91,8 @@ pub struct Session {
     /// What keeps the flight from having been all that was planned.
     flaw: Option<String>,
     accepted: bool,
-    noise: usize,
+    /// That came so far.
+    bytes: usize,
     echo: client::Echo,
 }
 
@@ -119,7 +121,7 @@ impl Session {
             tried: None,
             flaw: None,
             accepted: false,
-            noise: 0,
+            bytes: 0,
             echo: client::Echo::default(),
         }
     }
@@ -128,10 +130,11 @@ impl Session {
     pub fn push(&mut self, bytes: &[u8], now: Duration) {
         self.clock.tell(now);
         self.echo.hear(bytes);
+        self.bytes += bytes.len();
         for event in self.client.push(bytes, self.clock.now()) {
             match event {
                 _ if self.is_over() => {}
-                client::Event::Damaged => self.noise += 1,
+                client::Event::Damaged => {}
                 client::Event::Answered(outcome) => self.answered(outcome),
                 client::Event::Message(message) => self.take(message),
             }

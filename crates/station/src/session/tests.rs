@@ -6,9 +6,10 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::defaults;
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
-use twinrotor::parameters::{self};
+use twinrotor::parameters::{self, Parameters};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::{AERO2, HELI, Rig};
+use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition};
 
 fn record(rig: &Rig, checked: bool) -> Parameters {
@@ -240,6 +241,18 @@ fn a_silent_port_an_echo_and_noise_are_told_apart() {
     // 100 bytes a millisecond: a line of a megabaud, full.
     noisy.line = Box::new(|tick, _| (0..100_u64).map(|k| ((tick * 100 + k) * 37 % 251) as u8).collect());
     assert!(why(&noisy.end()).contains("that are no messages"));
+    // One that speaks, and does not hear.
+    let mut deaf = Desk::new(stored(&AERO2, true), plan(&AERO2));
+    deaf.until(|desk| desk.board.frame().tick > 3);
+    let telemetry: Vec<u8> = (0..20)
+        .flat_map(|_| {
+            deaf.board.tick();
+            deaf.board.take_outgoing()
+        })
+        .collect();
+    let mut desk = Desk::new(deaf.board, plan(&AERO2));
+    desk.line = Box::new(move |_, _| telemetry.clone());
+    assert!(why(&desk.end()).contains("speaks and does not answer"));
     let mut session = Session::new(plan(&AERO2), Duration::ZERO);
     for ms in 0..5_000 {
         session.poll(Duration::from_millis(ms));
