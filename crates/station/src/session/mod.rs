@@ -31,7 +31,7 @@ use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::Request;
 use twinrotor::telemetry::Frame;
 use twinrotor::trial::Attempt;
-use twinrotor_sim::Outcome;
+use twinrotor_sim::{Error, Outcome};
 
 /// How long a board may say nothing at all. It switches its motors off itself when it has not heard its host
 /// for half a second; that it is not heard may be a busy computer's fault.
@@ -145,8 +145,9 @@ impl Session {
     /// Does what is due by `now`.
     pub fn poll(&mut self, now: Duration) {
         let now = self.clock.tell(now);
-        if let Some(client::Event::Answered(outcome)) = self.client.poll(now) {
-            self.answered(outcome);
+        if let Some(client::Event::Answered(Err(silence))) = self.client.poll(now) {
+            let why = self.unheard().unwrap_or_else(|| silence.to_string());
+            self.answered(Err(Error::Failed(why)));
         }
         let waits_for_flash =
             matches!(self.phase, Phase::Finding | Phase::Writing | Phase::Off { .. } | Phase::Saving);
@@ -273,10 +274,7 @@ impl Session {
             Ok(Answer::Identity(identity)) => self.found(identity),
             Ok(Answer::Parameters(kept)) => self.has(&kept),
             Ok(Answer::Replayed(_)) => {}
-            Err(error) => {
-                let why = self.unheard().unwrap_or_else(|| error.to_string());
-                self.trouble(why);
-            }
+            Err(error) => self.trouble(error.to_string()),
         }
     }
 

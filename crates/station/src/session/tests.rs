@@ -244,6 +244,8 @@ fn a_silent_port_an_echo_and_noise_are_told_apart() {
     // One that speaks, and does not hear.
     let mut deaf = Desk::new(stored(&AERO2, true), plan(&AERO2));
     deaf.until(|desk| desk.board.frame().tick > 3);
+    (0..50).for_each(|_| deaf.board.tick());
+    deaf.board.take_outgoing();
     let telemetry: Vec<u8> = (0..20)
         .flat_map(|_| {
             deaf.board.tick();
