@@ -44,7 +44,7 @@ pub(crate) enum Mishap {
     Reset,
     /// From the start noise, as much as a line of a megabaud carries.
     Flood,
-    /// Every tenth millisecond half of what the board says is lost.
+    /// Every seventh millisecond half of what the board says is lost.
     Halves,
 }
 
@@ -183,7 +183,7 @@ fn serve<W: Write, C: FnOnce()>(
         if due == 0 {
             std::thread::sleep(Duration::from_micros(50));
         }
-        for tick in 0..due {
+        for _ in 0..due {
             board.tick();
             airborne += u64::from(board.frame().state == ArmState::Armed);
             left += u64::from(line.is_none());
@@ -199,7 +199,7 @@ fn serve<W: Write, C: FnOnce()>(
                 }
                 Mishap::Reset if now => board = board.reset(),
                 Mishap::Flood => said = vec![0x55; 100],
-                Mishap::Halves if tick == 0 => said.truncate(said.len() / 2),
+                Mishap::Halves if board.frame().tick.is_multiple_of(7) => said.truncate(said.len() / 2),
                 _ => {}
             }
             if line.as_mut().is_some_and(|(line, _)| line.write_all(&said).is_err()) {
