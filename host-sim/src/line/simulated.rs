@@ -8,6 +8,7 @@ use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError};
 use twinrotor::plant::presets::Rig;
+use twinrotor::telemetry::Frame;
 use twinrotor_station::SimulatedBoard;
 
 /// A line whose clock is the board's own: a tick is a millisecond.
@@ -29,6 +30,12 @@ impl Simulated {
         parameters::save(&mut store, parameters, &mut [0; SLOT_SIZE])?;
         let board = SimulatedBoard::new(rig, *parameters, store.into_flash());
         Ok(Self { board, ticks: 0, begun: real_time.then(Instant::now) })
+    }
+
+    /// The board's last tick.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        self.board.frame()
     }
 }
 

@@ -195,3 +195,75 @@ impl Drop for Desk {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Failure;
+    use crate::line::Simulated;
+    use std::cell::RefCell;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::rc::Rc;
+    use twinrotor::defaults;
+    use twinrotor::pipeline::Settings;
+    use twinrotor::plant::presets::AERO2;
+    use twinrotor::reference::Reference;
+    use twinrotor_station::session::{Leg, Motors, Plan, Write};
+
+    /// A board whose line goes through somebody's hands.
+    struct Shared {
+        board: Rc<RefCell<Simulated>>,
+        panics_in_flight: bool,
+    }
+
+    impl Line for Shared {
+        fn exchange(&mut self, bytes: &[u8]) -> std::io::Result<Vec<u8>> {
+            let flies = self.board.borrow().frame().state.motors_may_turn();
+            assert!(!(flies && std::mem::take(&mut self.panics_in_flight)), "a mistake of this program");
+            self.board.borrow_mut().exchange(bytes)
+        }
+
+        fn now(&self) -> Duration {
+            self.board.borrow().now()
+        }
+    }
+
+    fn desk(panics_in_flight: bool) -> (Desk, Rc<RefCell<Simulated>>) {
+        let settings = Settings::new(&AERO2, defaults::AERO2, SAMPLE_TIME);
+        let parameters = Parameters { checked: true, ..Parameters::new(&AERO2, &settings) };
+        let board = Rc::new(RefCell::new(Simulated::new(&AERO2, &parameters, false).unwrap()));
+        let plan = Plan {
+            parameters,
+            write: Write::Never,
+            ask: false,
+            frame_every: 1,
+            legs: vec![Leg::Fly(vec![Reference::default(); 2_000])],
+            save: false,
+        };
+        let line = Box::new(Shared { board: Rc::clone(&board), panics_in_flight });
+        (Desk::new(line, Session::new(plan, Duration::ZERO), parameters), board)
+    }
+
+    #[test]
+    fn a_panic_in_flight_still_switches_the_motors_off() {
+        let (mut desk, board) = desk(true);
+        let panicked = catch_unwind(AssertUnwindSafe(move || desk.run(|_| Ok(()))));
+        assert!(panicked.is_err() && board.borrow().frame().tick > 1_500);
+        assert!(!board.borrow().frame().state.motors_may_turn());
+    }
+
+    /// Standard output on a full disk, a closed terminal.
+    #[test]
+    fn a_step_that_cannot_be_told_ends_the_flight() {
+        let (mut desk, board) = desk(false);
+        let end = desk.run(|step| match step.step {
+            "flying" => Err(Failure::Run("nobody hears it".to_owned())),
+            _ => Ok(()),
+        });
+        assert_eq!(
+            end,
+            End { ending: Ending::Trouble("nobody hears it".to_owned()), motors: Motors::SeenOff }
+        );
+        assert!(!board.borrow().frame().state.motors_may_turn());
+    }
+}
