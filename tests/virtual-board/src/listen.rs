@@ -54,7 +54,7 @@ impl Server {
             program: None,
             pace: Pace::new(real, Duration::ZERO),
             begun: Instant::now(),
-            left: 0,
+            left: LEFT,
             table: Table::default(),
         })
     }
@@ -75,8 +75,8 @@ impl Server {
     /// If the firmware reached something that is not modelled.
     pub fn serve(&mut self, mut goes_on: impl FnMut() -> bool) -> Result<(), Failure> {
         while goes_on() {
-            self.welcome();
             self.listen();
+            self.welcome();
             let now = self.begun.elapsed();
             let due = if self.real {
                 self.pace.due(now)
@@ -98,8 +98,12 @@ impl Server {
         Ok(())
     }
 
-    /// One program at a time: the line of any other is closed at once.
+    /// One program at a time: the line of any other is closed at once. Where time waits for programs, the
+    /// next one comes when the board has found that the last one has gone.
     fn welcome(&mut self) {
+        if self.program.is_none() && !self.real && self.left < LEFT {
+            return;
+        }
         while let Ok((stream, _)) = self.listener.accept() {
             if self.program.is_none() && stream.set_nonblocking(true).is_ok() {
                 let _ = stream.set_nodelay(true);
@@ -109,17 +113,21 @@ impl Server {
         }
     }
 
+    /// All that has come, and whether the program has gone.
     fn listen(&mut self) {
-        let Some(program) = &mut self.program else { return };
-        self.left = 0;
         let mut bytes = [0; 4096];
-        match program.read(&mut bytes) {
-            Ok(count) if count > 0 => {
-                self.machine.say(&bytes[..count]);
-                self.pace.hear(self.begun.elapsed());
+        while let Some(program) = &mut self.program {
+            self.left = 0;
+            match program.read(&mut bytes) {
+                Ok(count) if count > 0 => {
+                    self.machine.say(&bytes[..count]);
+                    self.pace.hear(self.begun.elapsed());
+                }
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
+                    return;
+                }
+                _ => self.program = None,
             }
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
-            _ => self.program = None,
         }
     }
 

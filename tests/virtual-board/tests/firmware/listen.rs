@@ -132,7 +132,6 @@ fn a_board_whose_program_goes_away_in_flight_switches_off() {
     }
     drop(line);
     let mut next = Session::new(plan(&parameters, vec![step()]), Duration::ZERO);
-    std::thread::sleep(Duration::from_millis(500));
     let mut line = connect(board.address);
     let (begun, mut steps) = (Instant::now(), Vec::new());
     while !steps.iter().any(|(step, _)| *step == "cleared") {
