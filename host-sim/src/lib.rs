@@ -16,7 +16,7 @@ pub mod cli;
 pub mod error;
 pub mod figures;
 pub mod files;
+pub mod line;
 pub mod report;
-pub mod serial;
 pub mod stop;
 pub mod threads;

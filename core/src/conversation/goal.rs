@@ -6,12 +6,13 @@ use crate::reference::Reference;
 
 /// \[rad\] Largest yaw that may be asked for, either way: 100 turns. Beyond, f32 no longer tells a count of
 /// an encoder from the next.
-pub(super) const YAW: f32 = 200.0 * core::f32::consts::PI;
+pub const YAW: f32 = 200.0 * core::f32::consts::PI;
 /// \[rad/s²\] Largest acceleration of a setpoint that moves: a multiple of what any of the rigs can.
-pub(super) const ACCEL: f32 = 100.0;
+pub const ACCEL: f32 = 100.0;
 
 /// Why `setpoint` is refused, if it leaves `limits`.
-pub(super) fn outside(limits: &Limits, setpoint: &Reference<f32>) -> Option<Refusal> {
+#[must_use]
+pub fn outside(limits: &Limits, setpoint: &Reference<f32>) -> Option<Refusal> {
     let Reference { angle, rate, accel } = setpoint;
     let rules = [
         ("setpoint.angle.pitch", angle.pitch, limits.pitch),

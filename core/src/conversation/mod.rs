@@ -6,7 +6,7 @@
 //! in [`commands`].
 
 pub mod commands;
-mod goal;
+pub mod goal;
 pub mod outgoing;
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,7 @@ use super::{print, print_json, tell};
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::output::{self, Outputs};
-use crate::serial;
+use crate::line::{self, Board};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,7 +28,7 @@ pub(super) struct Args {
     /// Write the image of the parameter sectors to a .bin or .hex file
     #[arg(long, value_name = "FILE", conflicts_with = "port")]
     image: Option<PathBuf>,
-    /// Send the parameters over this serial port
+    /// Send the parameters over this serial port, or tcp://HOST:PORT, or 'auto' for the port that answers
     #[arg(long, value_name = "DEVICE")]
     port: Option<String>,
     /// The board's chip, as probe-rs calls it, for a debug probe
@@ -126,7 +126,7 @@ fn write_image(path: &Path, image: &[u8]) -> Outcome<String> {
 }
 
 fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
-    let mut board = serial::open(name)?;
+    let mut board = Board::new(line::open(name)?.1);
     let identity = board.identify()?;
     board.write(parameters)?;
     Ok(format!(

@@ -10,6 +10,7 @@ mod choices;
 mod common;
 mod compare;
 mod flash;
+mod fly;
 mod identify;
 mod pareto;
 mod replay;
@@ -55,6 +56,8 @@ enum Command {
     Replay(replay::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
+    /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
+    Fly(fly::Args),
 }
 
 /// Runs what was typed.
@@ -75,6 +78,7 @@ pub fn main() -> ExitCode {
         Command::Identify(args) => identify::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
+        Command::Fly(args) => fly::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,7 +6,7 @@ use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::replay::figure as drawing;
 use crate::files;
 use crate::files::figure;
-use crate::serial;
+use crate::line::{self, Board};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -37,8 +37,8 @@ pub(super) struct Args {
     /// the log
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<String>,
-    /// Replay it on the board at this serial port as well, which must keep these gains, and compare to the
-    /// bit
+    /// Replay it on the board at this serial port (or tcp://HOST:PORT, or 'auto') as well, which must keep these
+    /// gains, and compare to the bit
     #[arg(long, value_name = "DEVICE")]
     port: Option<String>,
     /// Draw rates and volts as .svg or .png
@@ -97,7 +97,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 
 /// The same on the board at `port`, whose answers must be the same.
 fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Replayed]) -> Outcome<String> {
-    let mut board = serial::open(port)?;
+    let mut board = Board::new(line::open(port)?.1);
     let identity = board.identify()?;
     if !board.keeps(parameters)? {
         return Err(Failure::Run(format!(

@@ -4,6 +4,7 @@ pub mod checkpoint;
 pub mod export;
 pub mod figure;
 pub mod output;
+pub mod recording;
 mod target;
 
 use crate::error::{Failure, Outcome};

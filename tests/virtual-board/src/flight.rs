@@ -1,20 +1,15 @@
 //! A scenario flown on the board by an operator's hand, and what the board's telemetry said of it.
 
-use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::estimator::Estimate;
 use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
-use twinrotor::pipeline::Decision;
-use twinrotor::plant::State;
 use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
-use twinrotor_sim::closed_loop::Tick;
-use twinrotor_sim::flight::{Flight, Moment, Row};
-use twinrotor_sim::metrics::Metrics;
+use twinrotor_sim::flight::Flight;
 use twinrotor_sim::scenario::Scenario;
+use twinrotor_station::flown::flown;
 
 use crate::helicopter::Helicopter;
 use crate::machine::Failure;
@@ -122,7 +117,11 @@ pub fn fly(
         left += references.len() as u64;
     }
     stay(station, left, told)?;
-    Ok(recorded(&station.heard.frames[first..], rig, scenario, &references))
+    let frames = &station.heard.frames[first..];
+    // The first setpoint takes a moment over the link.
+    let level = PerAxis::both(0.0);
+    let begin = frames.iter().find(|frame| frame.reference != level).or(frames.first());
+    Ok(flown(frames, begin.map_or(0, |frame| frame.tick), rig, scenario))
 }
 
 /// Flies on; the board must still be armed then.
@@ -132,33 +131,4 @@ fn stay(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame))
         return Ok(());
     }
     Err(Failure(format!("the board left the air: {}", station.heard.summary())))
-}
-
-/// The reference is the scenario's: what telemetry calls so has been through the controller's command filter.
-fn recorded(frames: &[Frame], rig: &Rig, scenario: &Scenario, references: &[Reference<f32>]) -> Flight {
-    let level = PerAxis::both(0.0);
-    // The first setpoint takes a moment over the link.
-    let begin = frames.iter().position(|frame| frame.reference != level).unwrap_or_default();
-    let frames = &frames[begin..];
-    let frames = &frames[..frames.len().min(references.len())];
-    let last = u32::try_from(frames.len().saturating_sub(1)).unwrap_or(u32::MAX);
-    let mut metrics = Metrics::<f64>::new(last, scenario.steps(level.map(f64::from)), rig.volts_limit);
-    let mut rows = Vec::with_capacity(frames.len());
-    let mut left_envelope = None;
-    for (tick, (frame, reference)) in (0_u32..).zip(frames.iter().zip(references)) {
-        let axis = |of: PerAxis<f32>| of.map(f64::from);
-        let motor = |of: PerMotor<f32>| of.map(f64::from);
-        let state = State { angle: axis(frame.angle), rate: axis(frame.rate) };
-        let reference = axis(reference.angle);
-        let mut decision = Decision::idle(Estimate::exact(state), reference);
-        decision.allocation.demand = motor(frame.demand);
-        let volts = motor(frame.volts);
-        metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts });
-        let time = f64::from(tick) * SAMPLE_TIME;
-        if left_envelope.is_none() && !rig.envelope.holds(&state) {
-            left_envelope = Some(Moment::of(tick));
-        }
-        rows.push(Row { time, state, reference, volts, disturbance: PerMotor::zero() });
-    }
-    Flight { rows, report: metrics.report(0, SAMPLE_TIME), board: None, left_envelope }
 }

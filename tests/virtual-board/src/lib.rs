@@ -8,6 +8,7 @@ pub mod firmware;
 pub mod flight;
 pub mod helicopter;
 pub mod in_c;
+pub mod listen;
 pub mod machine;
 pub mod profile;
 pub mod record;

@@ -27,6 +27,7 @@ use twinrotor_station::image;
 use virtual_board::firmware::Firmware;
 use virtual_board::flight;
 use virtual_board::helicopter::Helicopter;
+use virtual_board::listen::Server;
 use virtual_board::machine::{Machine, Setup};
 use virtual_board::record;
 use virtual_board::station::Station;
@@ -58,6 +59,12 @@ struct Args {
     /// Other names, signs and units of the log's columns, as `host-sim replay` has them
     #[arg(long, value_name = "LIST", default_value = "", allow_hyphen_values = true, requires = "replay")]
     columns: String,
+    /// Fly nothing: put the board's serial line at this TCP address, in real time, until it is ended
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["plot", "json", "scenario", "replay"])]
+    listen: Option<String>,
+    /// As fast as it goes, where whoever is at the line keeps up
+    #[arg(long, requires = "listen")]
+    fast: bool,
     /// The wiring has passed the first-power check before: do not ask for it
     #[arg(long)]
     checked: bool,
@@ -132,7 +139,11 @@ fn run(args: &Args) -> Outcome<()> {
     let setup = setup.with_seed(args.seed).with_image(record::ADDRESS, image);
     let supply = named.rig.volts_limit.main.max(named.rig.volts_limit.tail);
     let began = Instant::now();
-    let mut station = Station::new(Machine::start(setup, Helicopter::new(&named.rig, supply)));
+    let machine = Machine::start(setup, Helicopter::new(&named.rig, supply));
+    if let Some(address) = &args.listen {
+        return listen(address, machine, !args.fast);
+    }
+    let mut station = Station::new(machine);
     let json = args.json;
     let mut told = |frame: &Frame| {
         if !json {
@@ -186,6 +197,14 @@ fn run(args: &Args) -> Outcome<()> {
         );
     }
     Ok(())
+}
+
+/// Until it is ended, or the firmware reaches what is not modelled.
+fn listen(address: &str, machine: Machine, real: bool) -> Outcome<()> {
+    let mut server = Server::new(address, machine, real).map_err(failed)?;
+    let address = server.address().map_err(|why| Error::Failed(why.to_string()))?;
+    println!("listening at tcp://{address}");
+    server.serve(|| true).map_err(failed)
 }
 
 fn document<'a>(

@@ -2,9 +2,14 @@
 //! long. Bytes and time go in, events and bytes come out; whoever holds the line, a serial port, an emulator
 //! or a page, carries them.
 
+mod echo;
+
+pub use echo::Echo;
+
+use crate::words;
 use std::time::Duration;
 use twinrotor::axes::PerAxis;
-use twinrotor::link::{self, Decoder, Identity, LinkError, MAX_FRAME, Nonce, Refusal, ToBoard, ToHost};
+use twinrotor::link::{self, Decoder, Identity, LinkError, MAX_FRAME, Nonce, ToBoard, ToHost};
 use twinrotor::parameters::{self, Parameters};
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replayed, Sample};
@@ -106,28 +111,31 @@ impl Client {
     }
 
     /// Sends a message, numbered and meant for the board's present boot: whatever [`Nonce`] is in it does not
-    /// count.
-    pub fn send(&mut self, message: &ToBoard) {
+    /// count. Gives its number, or `None` where it has to wait.
+    pub fn send(&mut self, message: &ToBoard) -> Option<Sequence> {
         match (self.nonce, message) {
-            (Some(nonce), _) => self.transmit(message.clone().meant_for(nonce)),
-            (None, ToBoard::Disarm | ToBoard::Identify) => self.transmit(message.clone()),
-            (None, ToBoard::Alive) => self.transmit(ToBoard::Identify),
+            (Some(nonce), _) => Some(self.transmit(message.clone().meant_for(nonce))),
+            (None, ToBoard::Disarm | ToBoard::Identify) => Some(self.transmit(message.clone())),
+            (None, ToBoard::Alive) => Some(self.transmit(ToBoard::Identify)),
             (None, _) => {
                 if self.unsent.is_empty() {
                     self.transmit(ToBoard::Identify);
                 }
                 self.unsent.push(message.clone());
+                None
             }
         }
     }
 
-    fn transmit(&mut self, message: ToBoard) {
+    fn transmit(&mut self, message: ToBoard) -> Sequence {
         let mut buffer = [0; MAX_FRAME];
-        let numbered = message.numbered(self.sequence);
-        self.sequence = self.sequence.next();
+        let sequence = self.sequence;
+        let numbered = message.numbered(sequence);
+        self.sequence = sequence.next();
         // Ends whatever noise came before: a `Disarm` must not be lost to it.
         self.outgoing.push(0);
         self.outgoing.extend(link::encode(&numbered, &mut buffer).expect("every message fits its frame"));
+        sequence
     }
 
     /// Learns how to speak to the board, and says what has waited for that.
@@ -143,14 +151,14 @@ impl Client {
     }
 
     /// Asks something of the supervisor.
-    pub fn request(&mut self, request: Request) {
+    pub fn request(&mut self, request: Request) -> Option<Sequence> {
         let nonce = Nonce::default();
         self.send(&match request {
             Request::Arm => ToBoard::Arm(nonce),
             Request::Disarm => ToBoard::Disarm,
             Request::ClearFault => ToBoard::ClearFault(nonce),
             Request::Check => ToBoard::Check(nonce),
-        });
+        })
     }
 
     /// Wants the helicopter at rest there \[rad\].
@@ -160,14 +168,18 @@ impl Client {
 
     /// Asks a question; one that is not answered yet is given up.
     pub fn ask(&mut self, question: Question, now: Duration) {
-        match &question {
-            Question::Identify => self.send(&ToBoard::Identify),
-            Question::Read => self.send(&ToBoard::ReadParameters),
-            Question::Write(parameters) => {
-                self.send(&ToBoard::WriteParameters(Nonce::default(), **parameters));
+        let message = match &question {
+            Question::Identify => Some(ToBoard::Identify),
+            Question::Read => Some(ToBoard::ReadParameters),
+            Question::Write(parameters) => Some(ToBoard::WriteParameters(Nonce::default(), **parameters)),
+            Question::Replay(samples) => {
+                self.send_samples(samples);
+                None
             }
-            Question::Save => self.send(&ToBoard::Save(Nonce::default())),
-            Question::Replay(samples) => self.send_samples(samples),
+            Question::Save => Some(ToBoard::Save(Nonce::default())),
+        };
+        if let Some(message) = message {
+            self.send(&message);
         }
         self.pending = Some(Pending { question, replayed: Vec::new(), deadline: now + PATIENCE });
     }
@@ -258,7 +270,7 @@ impl Client {
                 }
             }
             (Question::Write(_) | Question::Save | Question::Replay(_), ToHost::Refused(refusal)) => {
-                return Some(Err(Error::Failed(explained(refusal))));
+                return Some(Err(Error::Failed(words::refusal(refusal))));
             }
             _ => {}
         }
@@ -277,36 +289,6 @@ fn of_our_version(identity: &Identity) -> Outcome<Answer> {
         identity.parameters,
         parameters::VERSION
     )))
-}
-
-/// What a refusal means, and what to do about it, in a sentence.
-pub fn explained(refusal: &Refusal) -> String {
-    match refusal {
-        Refusal::MotorsMayTurn => {
-            "the board keeps parameters only while disarmed: disarm it and clear its fault".to_owned()
-        }
-        Refusal::NoReplay => "the board has lost the beginning of the record: begin again".to_owned(),
-        Refusal::Busy => "the board is busy: try again".to_owned(),
-        Refusal::Nonce => "the board has been reset since it said who it is: begin again".to_owned(),
-        Refusal::NoParameters => {
-            "no first-power check with built-in parameters: write those of the rig first".to_owned()
-        }
-        Refusal::Setpoint { field, low, high } => {
-            format!("the board refuses {field}; allowed: {low} to {high}")
-        }
-        Refusal::Flash => "the board's flash did not hold what was written".to_owned(),
-        Refusal::Range { field, allowed } => format!("the board refuses {field}; allowed: {allowed}"),
-        Refusal::NotArmed => "a controller is tried in flight: arm the board first".to_owned(),
-        Refusal::TrialUnderWay => {
-            "the board tries one controller at a time: accept the last one or take it back".to_owned()
-        }
-        Refusal::NothingToAccept => {
-            "no controller that is being tried flies alone now: there is nothing to accept".to_owned()
-        }
-        Refusal::TooOften { least } => {
-            format!("the board's line carries a frame every {least} ms, no more often")
-        }
-    }
 }
 
 #[cfg(test)]

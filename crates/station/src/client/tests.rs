@@ -5,6 +5,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::Status;
 use twinrotor::conversation::{self, Action, Conversation, Loop};
 use twinrotor::gains;
+use twinrotor::link::Refusal;
 use twinrotor::parameters::Provenance;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;

@@ -3,6 +3,7 @@
 mod boot;
 mod conditions;
 mod equality;
+mod listen;
 mod noise;
 mod parameters;
 mod power_cuts;

@@ -1,33 +1,37 @@
-//! A board at a serial port: carries what the station's client has to say and to hear.
+//! Questions to a board: carries what the station's client has to say and to hear.
 
+use super::Line;
 use crate::error::{Failure, Outcome};
-use std::io::{ErrorKind, Read, Write};
-use std::time::{Duration, Instant};
-use twinrotor::link::BAUD;
+use std::time::Duration;
 use twinrotor::link::Identity;
 use twinrotor::parameters::Parameters;
 use twinrotor::replay::{Replayed, Sample};
 use twinrotor_station::{Answer, Client, Event, Question};
 
-/// A board at the other end of a serial port whose reads time out soon.
-pub struct Board<P> {
-    port: P,
+/// How long a port that may be anything's is listened to.
+const SOON: Duration = Duration::from_secs(1);
+
+/// A board at the other end of a line.
+pub struct Board {
+    line: Box<dyn Line>,
     client: Client,
-    begun: Instant,
 }
 
-/// Opens the serial port called `name`.
-///
-/// # Errors
-///
-/// If it cannot be opened.
-pub fn open(name: &str) -> Outcome<Board<Box<dyn serialport::SerialPort>>> {
-    let port = serialport::new(name, BAUD).timeout(Duration::from_millis(50)).open();
-    let port = port.map_err(|error| Failure::Run(format!("--port {name} cannot be opened: {error}")))?;
-    Ok(Board { port, client: Client::new(), begun: Instant::now() })
-}
+impl Board {
+    /// Not asked yet.
+    #[must_use]
+    pub fn new(line: Box<dyn Line>) -> Self {
+        Self { line, client: Client::new() }
+    }
 
-impl<P: Read + Write> Board<P> {
+    /// Who is there, if anybody is that says so soon.
+    pub fn identify_soon(&mut self) -> Option<Identity> {
+        match self.ask_until(Question::Identify, self.line.now() + SOON) {
+            Ok(Some(Answer::Identity(identity))) => Some(identity),
+            _ => None,
+        }
+    }
+
     /// Who is there; refuses one that keeps its parameters in another version.
     ///
     /// # Errors
@@ -76,31 +80,31 @@ impl<P: Read + Write> Board<P> {
     }
 
     fn ask(&mut self, question: Question) -> Outcome<Answer> {
+        let answer = self.ask_until(question, Duration::MAX)?;
+        answer.ok_or_else(|| Failure::Run("the board did not answer".to_owned()))
+    }
+
+    /// The answer, or nothing if it has not come by `end`.
+    fn ask_until(&mut self, question: Question, end: Duration) -> Outcome<Option<Answer>> {
         self.client.resynchronise();
-        self.client.ask(question, self.begun.elapsed());
-        let mut bytes = [0; 256];
-        loop {
-            if let Some(Event::Answered(outcome)) = self.client.poll(self.begun.elapsed()) {
-                return Ok(outcome?);
+        self.client.ask(question, self.line.now());
+        while self.line.now() < end {
+            if let Some(Event::Answered(outcome)) = self.client.poll(self.line.now()) {
+                return Ok(Some(outcome?));
             }
-            let outgoing = self.client.take_outgoing();
-            self.port.write_all(&outgoing).and_then(|()| self.port.flush()).map_err(failed)?;
-            let count = match self.port.read(&mut bytes) {
-                Ok(count) => count,
-                Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => 0,
-                Err(error) => return Err(failed(error)),
-            };
-            for event in self.client.push(&bytes[..count], self.begun.elapsed()) {
+            let bytes = self.line.exchange(&self.client.take_outgoing()).map_err(failed)?;
+            for event in self.client.push(&bytes, self.line.now()) {
                 if let Event::Answered(outcome) = event {
-                    return Ok(outcome?);
+                    return Ok(Some(outcome?));
                 }
             }
         }
+        Ok(None)
     }
 }
 
 fn failed(error: std::io::Error) -> Failure {
-    Failure::Run(format!("the serial port failed: {error}"))
+    Failure::Run(format!("the line to the board failed: {error}"))
 }
 
 fn astray(answer: &Answer) -> Failure {

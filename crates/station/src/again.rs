@@ -1,0 +1,119 @@
+//! A flight on a simulated rig, computed once more from what its frames say, and compared bit for bit.
+//!
+//! In which tick a message arrives is chance on a line. But a frame names the message that was taken last and
+//! when, so a host that knows what it said can fly exactly those ticks itself: from the rig's rest pose, where
+//! it was zeroed, through the same loop and the same bench.
+
+use std::collections::BTreeMap;
+use twinrotor::SAMPLE_TIME;
+use twinrotor::bench::Bench;
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
+use twinrotor::drive::Drive;
+use twinrotor::encoder::CounterWidth;
+use twinrotor::first_power::REST_TICKS;
+use twinrotor::parameters::Parameters;
+use twinrotor::plant::presets::Rig;
+use twinrotor::sequence::{Numbered, Sequence};
+use twinrotor::supervisor::{ArmState, Conditions, Request};
+use twinrotor::telemetry::Frame;
+use twinrotor::trial::{Attempt, Candidate};
+use twinrotor_sim::{Error, Outcome};
+
+/// Flies the ticks of `frames` from zeroing to the last one armed once more, with what the operator `said` and
+/// had `tried`, on `rig` and with `parameters`. Gives how many armed ticks were the same.
+///
+/// # Errors
+///
+/// The first tick that is not the same, or what the frames do not say.
+pub fn again(
+    rig: &Rig,
+    parameters: &Parameters,
+    frames: &[Frame],
+    said: &[Numbered<OperatorCommand>],
+    tried: Option<&(Sequence, Attempt)>,
+) -> Outcome<usize> {
+    let missing = |what: &str| Error::Failed(format!("the frames do not say when {what}"));
+    let taken = taken(frames);
+    let when = |wanted: OperatorCommand| {
+        let numbers: Vec<Sequence> =
+            said.iter().filter(|s| s.message == wanted).map(|s| s.sequence).collect();
+        taken.iter().rev().find(|(_, sequence)| numbers.contains(sequence)).map(|(tick, _)| *tick)
+    };
+    let zeroed = when(OperatorCommand::Zero).ok_or_else(|| missing("it was zeroed"))?;
+    let armed = when(OperatorCommand::Request(Request::Arm)).ok_or_else(|| missing("it was armed"))?;
+    let first = frames.iter().find(|frame| frame.tick >= armed).ok_or_else(|| missing("it flew"))?;
+    let candidate = tried.map(|(sequence, attempt)| Candidate::new(parameters, attempt, *sequence));
+    let candidate = candidate.transpose().map_err(Error::from)?;
+    let mut host = Host::at_rest(rig, parameters, first.supply);
+    host.candidate = candidate;
+    let mut same = 0;
+    let mut flown = frames.iter().filter(|frame| frame.tick >= armed).peekable();
+    for tick in zeroed.. {
+        if flown.peek().is_none_or(|frame| frame.state != ArmState::Armed) {
+            break;
+        }
+        let command = taken.get(&tick).and_then(|number| said.iter().find(|s| s.sequence == *number));
+        host.tick(command);
+        let Some(there) = flown.next_if(|frame| frame.tick == tick) else { continue };
+        let here = host.control.frame();
+        if bits(&here) != bits(there) || here.state != there.state {
+            return Err(Error::Failed(format!(
+                "{} ticks after arming the flight is not the same: here {here:?}, there {there:?}",
+                tick - armed
+            )));
+        }
+        same += 1;
+    }
+    Ok(same)
+}
+
+/// Which message was taken in which tick, as far as the frames tell.
+fn taken(frames: &[Frame]) -> BTreeMap<u32, Sequence> {
+    let told = frames.iter().filter(|frame| frame.taken.ago < u8::MAX);
+    told.map(|frame| (frame.tick.wrapping_sub(frame.taken.ago.into()), frame.taken.sequence)).collect()
+}
+
+/// The board's loop with its rig.
+struct Host {
+    bench: Bench<f32>,
+    control: ControlLoop,
+    candidate: Option<Candidate>,
+}
+
+impl Host {
+    /// Has lain at rest for long enough to be zeroed.
+    fn at_rest(rig: &Rig, parameters: &Parameters, supply: f32) -> Self {
+        let mut bench = Bench::at_rest(rig, SAMPLE_TIME);
+        bench.supply = supply;
+        bench.hold();
+        let drive = Drive::new(rig.pwm_steps);
+        let parameters = Parameters { checked: true, ..*parameters };
+        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
+        let mut host = Self { bench, control, candidate: None };
+        (0..2 * REST_TICKS).for_each(|_| host.tick(None));
+        host
+    }
+
+    fn tick(&mut self, command: Option<&Numbered<OperatorCommand>>) {
+        let outputs = self.control.tick(&Inputs {
+            counters: self.bench.counters(),
+            supply: self.bench.supply,
+            current_limit: false,
+            senses: Conditions::NONE,
+            heard: true,
+            disarm: false,
+            trial: self.candidate.as_ref(),
+            command,
+        });
+        self.bench.tick(outputs.duty, outputs.enable);
+    }
+}
+
+/// Every number of a frame that a loop computes.
+fn bits(frame: &Frame) -> Vec<u32> {
+    let axes = [frame.angle, frame.rate, frame.disturbance, frame.reference, frame.unallocated_torque];
+    let motors = [frame.demand, frame.volts];
+    let axes = axes.iter().flat_map(|axis| [axis.pitch, axis.yaw]);
+    let motors = motors.iter().flat_map(|motor| [motor.main, motor.tail]);
+    axes.chain(motors).chain([frame.supply]).map(f32::to_bits).collect()
+}

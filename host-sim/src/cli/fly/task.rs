@@ -1,0 +1,116 @@
+//! What is to be flown, checked before any line is opened.
+
+use super::Args;
+use crate::error::{Failure, Outcome};
+use crate::files;
+use twinrotor::conversation::goal;
+use twinrotor::defaults;
+use twinrotor::link::{BAUD, Refusal, ticks_per_frame};
+use twinrotor::parameters::Parameters;
+use twinrotor::real::Real;
+use twinrotor::trial::Attempt;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_station::image;
+use twinrotor_station::session::{Leg, Plan, Write};
+
+/// \[s\] Longest scenario that gains are tried in.
+const LONGEST_TRIAL: f64 = 540.0;
+/// \[s\] That a trial may take beside the scenario.
+const TRIAL_MARGIN: f64 = 60.0;
+
+/// What is to be flown.
+pub(super) struct Task {
+    pub(super) named: NamedRig,
+    pub(super) gains: GainsFile,
+    pub(super) gains_name: String,
+    pub(super) trial: Option<GainsFile>,
+    pub(super) scenario: Scenario,
+    pub(super) parameters: Parameters,
+    pub(super) notes: Vec<String>,
+}
+
+/// What the flags ask for.
+pub(super) fn task(args: &Args) -> Outcome<Task> {
+    let named = files::rig(&args.preset)?;
+    let (gains_name, gains) = match &args.gains {
+        Some(name) => (name.clone(), files::gains("--gains", name)?),
+        None => {
+            let controller = defaults::named(&args.preset).ok_or_else(|| {
+                Failure::Input(format!(
+                    "--gains is missing, and a rig of your own has none built in; tune some: host-sim tune \
+                     --preset {} --objective robust",
+                    args.preset
+                ))
+            })?;
+            (format!("{}'s own", args.preset), GainsFile { controller, provenance: None })
+        }
+    };
+    let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
+    parameters.validate().map_err(image::unusable)?;
+    let mut scenario = files::scenario(&args.scenario)?;
+    let mut notes = Vec::new();
+    if scenario.disturbance.take().is_some() {
+        notes.push("the scenario's disturbance is left out: nothing but the air disturbs a rig".to_owned());
+    }
+    refuse_out_of_range(&scenario, &parameters)?;
+    let trial = args.trial.as_ref().map(|name| files::gains("--trial", name)).transpose()?;
+    if trial.is_some() && scenario.duration > LONGEST_TRIAL {
+        return Err(Failure::Input(format!(
+            "--scenario {} lasts {} s; allowed: at most {LONGEST_TRIAL} s with --trial, which a board ends \
+             after 10 minutes",
+            scenario.name, scenario.duration
+        )));
+    }
+    Ok(Task { named, gains, gains_name, trial, scenario, parameters, notes })
+}
+
+/// Before anything is armed: a scenario that a board would refuse a setpoint of.
+fn refuse_out_of_range(scenario: &Scenario, parameters: &Parameters) -> Outcome<()> {
+    let references = scenario.references::<f32>();
+    let found = (0_u32..)
+        .zip(&references)
+        .find_map(|(tick, reference)| Some((tick, reference, goal::outside(&parameters.limits, reference)?)));
+    let Some((tick, reference, Refusal::Setpoint { field, high, .. })) = found else { return Ok(()) };
+    let (value, unit) = match field.as_str() {
+        "setpoint.angle.pitch" => (reference.angle.pitch, "rad"),
+        "setpoint.angle.yaw" => (reference.angle.yaw, "rad"),
+        "setpoint.rate.pitch" => (reference.rate.pitch, "rad/s"),
+        "setpoint.rate.yaw" => (reference.rate.yaw, "rad/s"),
+        "setpoint.accel.pitch" => (reference.accel.pitch, "rad/s²"),
+        _ => (reference.accel.yaw, "rad/s²"),
+    };
+    Err(Failure::Input(format!(
+        "--scenario {}: after {:.3} s {field} is {value} {unit}; allowed: {} to {high} {unit}",
+        scenario.name,
+        f64::from(tick) * twinrotor::SAMPLE_TIME,
+        -high
+    )))
+}
+
+/// The session that flies it.
+pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
+    let fly = || Leg::Fly(task.scenario.references());
+    let mut legs = vec![fly()];
+    if let Some(trial) = &task.trial {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 10 minutes")]
+        let revert_ms = ((task.scenario.duration + TRIAL_MARGIN) * 1e3) as u32;
+        let controller = trial.settings(&task.named.rig).map(f32::from_f64).controller;
+        let last = if args.accept { Leg::Accept } else { Leg::Revert };
+        let attempt = Attempt { revert_ms, ..Attempt::new(controller) };
+        legs.extend([Leg::Try(Box::new(attempt)), fly(), last]);
+    }
+    Plan {
+        parameters: task.parameters,
+        write: match (args.write, args.yes) {
+            (true, _) => Write::Always,
+            (false, true) => Write::Never,
+            (false, false) => Write::Ask,
+        },
+        ask: !simulated && !args.yes,
+        frame_every: ticks_per_frame(BAUD),
+        legs,
+        save: args.save,
+    }
+}

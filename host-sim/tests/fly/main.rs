@@ -1,0 +1,219 @@
+//! `fly` as people use it: the same flight at a simulated board, over TCP and at a pseudo-terminal, and what
+//! comes of bad luck: a sentence, an exit status, and never a motor left turning.
+
+mod served;
+
+use serde_json::Value;
+use served::{Mishap, Served};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn fly(folder: &Path, args: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_host-sim");
+    Command::new(program).arg("fly").args(args).current_dir(folder).output().unwrap()
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", told(output)))
+}
+
+/// On each line the same steps, and the host's own flight of the ticks that the frames name, bit for bit.
+#[test]
+fn the_same_flight_is_flown_at_a_simulated_board_over_tcp_and_at_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut boards = vec![(Served::over_tcp(true, Mishap::None), "tcp://")];
+    #[cfg(unix)]
+    boards.push((Served::at_a_terminal(), "/dev/"));
+    let reference = json(&fly(folder.path(), &["--json"]));
+    let steps = |document: &Value| -> Vec<String> {
+        let steps = document["steps"].as_array().unwrap().iter();
+        steps.map(|step| step["step"].as_str().unwrap().to_owned()).collect()
+    };
+    assert!(reference["verified_ticks"].as_u64().unwrap() > 6_000, "{reference}");
+    for (board, kind) in boards {
+        assert!(board.port.starts_with(kind), "{}", board.port);
+        let output = fly(folder.path(), &["--port", &board.port, "--yes", "--verify", "--json"]);
+        assert!(output.status.success(), "{kind}: {}", told(&output));
+        let document = json(&output);
+        assert_eq!(steps(&document), steps(&reference), "{kind}");
+        assert!(document["verified_ticks"].as_u64().unwrap() > 6_000, "{kind}: {document}");
+        assert_eq!(document["lost_ticks"], 0, "{kind}");
+        let ise = |document: &Value| document["flown"]["pitch"]["ise"].as_f64().unwrap();
+        assert!((ise(&document) / ise(&reference) - 1.0).abs() < 0.02, "{kind}");
+        assert!(!board.turns(), "{kind}");
+    }
+}
+
+#[test]
+fn a_board_from_the_bag_is_written_checked_and_flown_and_its_record_is_read_without_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = Served::over_tcp(false, Mishap::None);
+    let args = ["--port", &board.port, "--yes", "--record", "first.csv", "--plot", "first.svg"];
+    let refused = fly(folder.path(), &args);
+    assert_eq!(refused.status.code(), Some(1), "{}", told(&refused));
+    assert!(told(&refused).contains("does not have the parameters that are asked for"));
+    assert!(!board.turns());
+    let board = Served::over_tcp(false, Mishap::None);
+    let args = ["--port", &board.port, "--yes", "--write", "--record", "first.csv", "--plot", "first.svg"];
+    let output = fly(folder.path(), &args);
+    assert!(output.status.success(), "{}", told(&output));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains("both motors turn the rig as they should") && text.contains("flown less"),
+        "{text}"
+    );
+    assert!(fs::read_to_string(folder.path().join("first.svg")).unwrap().contains("<svg"));
+    assert!(!board.turns());
+    let program = env!("CARGO_BIN_EXE_host-sim");
+    let replay = Command::new(program)
+        .args(["replay", "first.csv", "--preset", "aero2", "--json"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(replay.status.success(), "{}", told(&replay));
+    assert!(json(&replay)["rate_error"]["pitch"].as_f64().unwrap() < 0.05);
+}
+
+/// Each with its exit status and its sentence.
+#[test]
+fn bad_luck_is_told_and_leaves_no_motor_turning() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = [
+        (Mishap::Silent, 1, "did not answer within 3 s"),
+        (Mishap::Echo, 1, "hands back what is sent to it"),
+        (Mishap::Old, 1, "update the board's firmware"),
+        (Mishap::Flood, 1, "that are no messages"),
+        (Mishap::Mute, 1, "has fallen silent; Disarm was sent again and again, and the board was NOT seen"),
+        (Mishap::Cut, 1, "was NOT seen to switch its motors off"),
+        (Mishap::Reset, 3, "the board was reset"),
+        (Mishap::HangUp, 1, "the line to the board failed"),
+    ];
+    for (mishap, status, sentence) in cases {
+        let board = Served::over_tcp(true, mishap);
+        let output = fly(folder.path(), &["--port", &board.port, "--yes", "--json"]);
+        assert_eq!(output.status.code(), Some(status), "{mishap:?}: {}", told(&output));
+        assert!(told(&output).contains(sentence), "{mishap:?}: {}", told(&output));
+        assert!(!board.turns(), "{mishap:?}");
+    }
+    let halves = Served::over_tcp(true, Mishap::Halves);
+    let output = fly(folder.path(), &["--port", &halves.port, "--yes", "--json"]);
+    assert!(output.status.success(), "{}", told(&output));
+    assert!(json(&output)["lost_ticks"].as_u64().unwrap() > 100);
+    assert!(!halves.turns());
+}
+
+#[test]
+fn what_cannot_be_flown_is_refused_before_anything_is_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = |name: &str, pitch: &str| {
+        let text = format!("duration = 3.0\n{pitch}\n[yaw.steps]\njumps = [[1.0, 20.0]]\n");
+        fs::write(folder.path().join(name), text).unwrap();
+    };
+    scenario("far.toml", "[pitch.steps]\njumps = [[1.0, 80.0]]");
+    scenario("fast.toml", "[pitch.sine]\namplitude_deg = 20.0\nfrequency = 40.0");
+    let nowhere = "tcp://127.0.0.1:9";
+    let cases: &[(&[&str], &str)] = &[
+        (&["--scenario", "far.toml"], "after 1.000 s setpoint.angle.pitch is 1.39"),
+        (&["--scenario", "fast.toml"], "setpoint.rate.pitch is 13.9"),
+        (&["--port", nowhere], "--yes is missing"),
+        (&["--port", nowhere, "--yes", "--real-time"], "--real-time has no effect"),
+        (&["--accept"], "--trial <FILE>"),
+        (&["--save"], "--accept"),
+        (&["--trial", "nowhere.toml"], "--trial is 'nowhere.toml'"),
+        (&["--record", "flight.xls"], "allowed: a name that ends in .parquet, .mcap, .npz or .csv"),
+        (&["--preset", "areo"], "did you mean 'aero'"),
+    ];
+    for (args, sentence) in cases {
+        let output = fly(folder.path(), args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", told(&output));
+        assert!(told(&output).contains(sentence), "{args:?}: {}", told(&output));
+    }
+    let output = fly(folder.path(), &["--port", nowhere, "--yes"]);
+    assert_eq!(output.status.code(), Some(1), "{}", told(&output));
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::Stdio;
+
+    #[test]
+    fn a_full_disk_is_told_after_the_motors_are_off() {
+        let folder = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink("/dev/full", folder.path().join("full.csv")).unwrap();
+        let board = Served::over_tcp(true, Mishap::None);
+        let output = fly(folder.path(), &["--port", &board.port, "--yes", "--record", "full.csv"]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(told(&output).contains("full.csv: cannot be written"), "{}", told(&output));
+        assert!(String::from_utf8_lossy(&output.stdout).contains("flown less simulated"), "all else is told");
+        assert!(!board.turns());
+    }
+
+    /// Twice, so that the second one does not skip the disarming.
+    #[test]
+    fn a_signal_ends_the_flight_with_the_motors_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let long = "duration = 500.0\n[pitch.sine]\namplitude_deg = 5.0\nfrequency = 1.0\n[yaw.steps]\n\
+                    jumps = []\n";
+        fs::write(folder.path().join("long.toml"), long).unwrap();
+        for signal in ["-INT", "-TERM", "-HUP"] {
+            let board = Served::over_tcp(true, Mishap::None);
+            let mut program = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+                .args(["fly", "--port", &board.port, "--yes", "--scenario", "long.toml"])
+                .args(["--record", "cut.csv"])
+                .current_dir(folder.path())
+                .stdout(Stdio::piped())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap();
+            let mut lines = BufReader::new(program.stdout.take().unwrap());
+            let mut line = String::new();
+            while !line.contains("flying") {
+                line.clear();
+                assert!(lines.read_line(&mut line).unwrap() > 0, "{signal}: it ended");
+            }
+            for _ in 0..2 {
+                let process = program.id().to_string();
+                assert!(Command::new("kill").args([signal, &process]).status().unwrap().success());
+            }
+            let mut rest = String::new();
+            lines.read_to_string(&mut rest).unwrap();
+            let output = program.wait_with_output().unwrap();
+            assert_eq!(output.status.code(), Some(130), "{signal}: {}", told(&output));
+            assert!(told(&output).contains("interrupted"), "{signal}: {}", told(&output));
+            // What was flown is kept.
+            let kept = fs::read_to_string(folder.path().join("cut.csv")).unwrap();
+            assert!(kept.lines().count() > 1_000, "{signal}: {}", kept.lines().count());
+            assert!(!board.turns(), "{signal}");
+        }
+    }
+}
+
+/// Another controller, tried between two flights, accepted and saved; and taken back where it is not accepted.
+#[test]
+fn gains_are_tried_in_flight_shown_side_by_side_and_kept_if_that_is_wanted() {
+    let folder = tempfile::tempdir().unwrap();
+    let gains = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("gains/aero2.toml");
+    let text = fs::read_to_string(gains).unwrap();
+    let changed = text.lines().map(|line| match line.strip_prefix("position = ") {
+        Some(gain) => format!("position = {}", 0.9 * gain.parse::<f64>().unwrap()),
+        None => line.to_owned(),
+    });
+    fs::write(folder.path().join("other.toml"), changed.collect::<Vec<_>>().join("\n")).unwrap();
+    let document = json(&fly(folder.path(), &["--trial", "other.toml", "--accept", "--save", "--json"]));
+    let steps = document["steps"].as_array().unwrap();
+    let told = |name: &str| steps.iter().any(|step| step["step"] == name);
+    assert!(told("tried") && told("accepted") && told("saved"), "{document}");
+    assert!(document["tried"]["pitch"]["ise"].as_f64() != document["flown"]["pitch"]["ise"].as_f64());
+    assert!(document["verified_ticks"].as_u64().unwrap() > 12_000);
+    let text = fly(folder.path(), &["--trial", "other.toml"]).stdout;
+    let text = String::from_utf8_lossy(&text);
+    assert!(text.contains("reverted") && text.contains("accepted      tried"), "{text}");
+    assert!(!text.contains("saved"));
+}
