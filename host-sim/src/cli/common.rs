@@ -11,6 +11,7 @@ use twinrotor::axes::PerMotor;
 use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
 use twinrotor_sim::error::at_least;
+use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
 
 /// Of every command that computes.
@@ -89,6 +90,12 @@ impl Checkpoint {
             _ => Ok(begun),
         }
     }
+}
+
+/// What says that gains are of another rig than `preset`.
+pub(super) fn tuned_elsewhere(preset: &str, gains: &GainsFile) -> Option<String> {
+    let tuned = &gains.provenance.as_ref()?.preset;
+    (tuned != preset).then(|| format!("these gains were tuned on '{tuned}', not on '{preset}'"))
 }
 
 /// What says that a flag would not be heeded, and why.

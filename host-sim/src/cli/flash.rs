@@ -1,5 +1,6 @@
 //! `flash`: gains onto a board.
 
+use super::common::tuned_elsewhere;
 use super::{print, print_json, tell};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -100,7 +101,7 @@ fn not_a_rig(preset: &str, gains: &GainsFile) -> Option<String> {
              on aero, aero2, aero-lab, heli or a preset of your own rig before you fly"
         ));
     }
-    (tuned != preset).then(|| format!("these gains were tuned on '{tuned}', not on '{preset}'"))
+    tuned_elsewhere(preset, gains)
 }
 
 fn check_image(args: &Args, preset: &str, path: &Path) -> Outcome<()> {

@@ -1,7 +1,7 @@
 //! `simulate`: fly one scenario.
 
 use super::choices;
-use super::common::{Common, drawn, no_effect, pair};
+use super::common::{Common, drawn, no_effect, pair, tuned_elsewhere};
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -16,6 +16,7 @@ use twinrotor::law::LawSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::static_reach::StaticReach;
 use twinrotor_plot::flight::flight as flight_figure;
+use twinrotor_plot::moving::moving;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::flight::{self, BoardState, Fidelity, Moment, Plan, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
@@ -73,6 +74,9 @@ pub(super) struct Args {
     /// Draw the flight as .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Show the flight as a moving picture that browsers play, as long as the flight (.svg)
+    #[arg(long, value_name = "FILE")]
+    animate: Option<PathBuf>,
 }
 
 #[derive(Debug, Serialize)]
@@ -89,6 +93,7 @@ struct Document<'a> {
     board: Option<BoardState>,
     left_envelope: Option<Moment>,
     cannot_hold: Option<String>,
+    tuned_elsewhere: Option<String>,
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
@@ -128,7 +133,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         let figure = flight_figure(&title, &flown, settings.volts_limit);
         outputs.write(path, &figure::bytes(&figure, path)?);
     }
+    if let Some(path) = &args.animate {
+        outputs.write(path, moving(&title, &flown.rows).as_bytes());
+    }
     let cannot_hold = cannot_hold(&settings, &scenario);
+    let tuned_elsewhere = tuned_elsewhere(&named.name, &gains);
     if args.common.json {
         print_json(&Document {
             preset: &named.name,
@@ -142,9 +151,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             board: flown.board,
             left_envelope: flown.left_envelope,
             cannot_hold,
+            tuned_elsewhere,
         })?;
     } else {
-        let note = cannot_hold.map_or_else(String::new, |told| format!("warning: {told}\n"));
+        let warnings = [cannot_hold, tuned_elsewhere].into_iter().flatten();
+        let note: String = warnings.map(|told| format!("warning: {told}\n")).collect();
         print(&format!("{title}\n{}{}{note}", flown.report, board(flown.board)))?;
     }
     outputs.done()?;
@@ -164,6 +175,15 @@ fn outputs(args: &Args) -> Outcome<Outputs> {
         outputs.writes("--export", path)?;
     }
     drawn(args.plot.as_deref(), &mut outputs)?;
+    if let Some(path) = &args.animate {
+        if files::ending(path).as_deref() != Some("svg") {
+            return Err(Failure::Input(format!(
+                "--animate is '{}'; allowed: a name that ends in .svg",
+                path.display()
+            )));
+        }
+        outputs.writes("--animate", path)?;
+    }
     Ok(outputs)
 }
 
