@@ -15,7 +15,7 @@ use crate::files::output::Outputs;
 use crate::files::recording::{self, Gaps};
 use crate::line::{self, Line, Simulated};
 use crate::stop::{self, Second};
-use desk::{Desk, Flown, NOT_SEEN};
+use desk::{Desk, NOT_SEEN};
 use report::{Differences, Document};
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -109,8 +109,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let frame_every = plan.frame_every;
     let mut desk = Desk::new(line, Session::new(plan, Duration::ZERO), task.parameters);
     let end = desk.run(|step| if args.json { Ok(()) } else { print(&report::line(step)) });
-    let flown = std::mem::take(&mut desk.flown);
-    conclude(args, &task, &port, &flown, &desk.session, &end, frame_every, outputs)
+    conclude(args, &task, &port, &desk, &end, frame_every, outputs)
 }
 
 /// What is read and what will be written.
@@ -136,12 +135,12 @@ fn conclude(
     args: &Args,
     task: &Task,
     port: &str,
-    flown_: &Flown,
-    session: &Session,
+    desk: &Desk,
     end: &End,
     frame_every: u16,
     mut outputs: Outputs,
 ) -> Outcome<()> {
+    let Desk { flown: flown_, session, .. } = desk;
     let frames = &flown_.frames;
     let rig = &task.named.rig;
     let since_zero = flown_.zeroed.and_then(|zeroed| frames.iter().position(|f| f.tick == zeroed));
