@@ -1,8 +1,7 @@
 //! What becomes of a controller that is tried: accepted and saved, taken back, or too bad to fly.
 
-use twinrotor::axes::PerAxis;
-use twinrotor::gains::{AxisGains, Gains};
-use twinrotor::law::LawSettings;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::law::{LawSettings, StateFeedbackGains};
 use twinrotor::link::{Nonce, Refusal, ToBoard};
 use twinrotor::supervisor::{ArmState, Request};
 use twinrotor::telemetry::{InForce, Kept, TrialPhase};
@@ -50,27 +49,28 @@ fn a_controller_is_tried_accepted_and_saved_and_read_back_all_along() {
     assert_eq!(read(&mut station), tried, "after a power cycle");
 }
 
-/// Gains that no rotor of this lag can follow.
+/// A law with its signs wrong: what it is off by, it makes more of.
 #[test]
-fn a_controller_that_swings_up_is_taken_back_inside_the_envelope() {
+fn an_unstable_controller_is_taken_back_inside_the_envelope() {
     let (rig, parameters) = record::tuned(record::BUILT_IN);
     let mut station = flying_with(&rig, &parameters);
     station.run(4_000);
-    let wild = |gain: f32| AxisGains { position: gain, rate: gain };
-    let law = LawSettings::Backstepping(Gains { pitch: wild(40.0), yaw: wild(40.0) });
+    let axis = |pitch, yaw| PerAxis::new(pitch, yaw);
+    let none = PerMotor::both(PerAxis::zero());
+    let law = LawSettings::StateFeedback(StateFeedbackGains {
+        angle: PerMotor { main: axis(-100.0, 0.0), tail: axis(0.0, -100.0) },
+        rate: none,
+        integral: none,
+        integral_limit: 0.0,
+        feed_forward: false,
+    });
     let controller = ControllerSettings { law, ..parameters.settings.controller };
     let from = station.heard.frames.len();
     try_out(&mut station, Attempt { revert_ms: 600_000, ..Attempt::new(controller) });
     station.aim(PerAxis::new(0.15, 0.4));
     station.run(10_000);
     let frames = &station.heard.frames[from..];
-    let phases: Vec<TrialPhase> = frames.iter().map(|frame| frame.controller.trial).collect();
-    let phases = phases.chunk_by(|a, b| a == b).map(|c| (c[0], c.len())).collect::<Vec<_>>();
-    assert!(
-        phases.iter().any(|(phase, _)| *phase == TrialPhase::FadingOut),
-        "{phases:?} {:?}",
-        station.heard.refusals
-    );
+    assert!(frames.iter().any(|frame| frame.controller.trial == TrialPhase::FadingOut));
     assert!(frames.iter().all(|frame| frame.state == ArmState::Armed), "{}", station.heard.summary());
     let last = frames.last().expect("frames");
     assert_eq!(last.controller, InForce::default());

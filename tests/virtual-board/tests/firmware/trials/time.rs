@@ -34,12 +34,6 @@ fn the_longest_tick_of_a_trial_is_within_its_bound() {
     counts.sort_unstable();
     let ((median, _), (longest, tick)) = (counts[counts.len() / 2], counts[counts.len() - 1]);
     println!("{median} instructions by the median, {longest} at most, in {} ticks", counts.len());
-    for (n, tick) in counts.iter().rev().step_by(7).take(30) {
-        println!(
-            "{n} {:?}",
-            station.heard.frames.iter().find(|f| f.tick as usize == *tick).map(|f| (f.controller, f.taken))
-        );
-    }
     let frame = station.heard.frames.iter().find(|frame| frame.tick as usize == tick);
     assert!(longest <= LONGEST, "a tick takes {longest} instructions, allowed are {LONGEST}: {frame:?}");
     assert!(median > 1_500, "two controllers computed: {median}");

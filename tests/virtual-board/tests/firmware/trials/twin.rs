@@ -66,20 +66,33 @@ impl Flown {
         let taken = self.frames.iter().filter(|frame| frame.taken.ago < u8::MAX);
         let taken: HashMap<u16, u32> =
             taken.map(|frame| (frame.taken.sequence.0, frame.tick - u32::from(frame.taken.ago))).collect();
+        // Backwards: no message comes after the tick that took a later one.
         let mut next = u32::MAX;
         let mut schedule: Vec<(u32, Numbered<ToBoard>)> = self
             .said
             .iter()
             .rev()
             .map(|(about, message)| {
-                let own = taken.get(&message.sequence.0).copied();
-                // What was refused is told after what it was refused for.
-                next = own.unwrap_or(if acts(&message.message) { next } else { about + 2 }).min(next);
-                let here = message.message.clone().meant_for(Nonce(0));
-                (next, here.numbered(message.sequence))
+                let here = message.message.clone().meant_for(Nonce(0)).numbered(message.sequence);
+                let due = match taken.get(&message.sequence.0) {
+                    Some(&tick) => {
+                        next = tick;
+                        tick
+                    }
+                    // What was refused is told after what it was refused for.
+                    None if acts(&message.message) => next,
+                    None => next.min(about + 3),
+                };
+                (due, here)
             })
             .collect();
         schedule.reverse();
+        // Forwards: nor before an earlier one.
+        let mut last = 0;
+        for (due, _) in &mut schedule {
+            last = last.max(*due);
+            *due = last;
+        }
         schedule
     }
 }
