@@ -65,8 +65,8 @@ pub fn encode<'b, M: Serialize>(message: &M, buffer: &'b mut [u8; MAX_FRAME]) ->
 const AHEAD: usize = MAX_FRAME - MAX_MESSAGE;
 
 /// The bytes at `plain`, [`AHEAD`] or later, by COBS at the buffer's beginning, where they never catch up
-/// with what is still to be read: in place of each zero, and after each run of 254 bytes that are none, stands
-/// a byte that says how far the next one is. Gives the place of the zero behind them.
+/// with what is still to be read: in place of each zero, and after each run of 254 bytes that are none,
+/// stands a byte that says how far the next one is. Gives the place of the zero behind them.
 fn stuff(buffer: &mut [u8; MAX_FRAME], plain: Range<usize>) -> usize {
     let (mut mark, mut end, mut distance) = (0, 1, 1_u8);
     for at in plain {

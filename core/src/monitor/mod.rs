@@ -149,7 +149,7 @@ impl Monitor {
         self.silent == self.limits.command_timeout
     }
 
-    /// What is wrong in this tick. `landed`: has the reference, after the link was lost, come to the rest pose?
+    /// What is wrong in this tick. `landed`: the link is lost, and has the reference come to the rest pose?
     #[inline(always)]
     pub fn check(&mut self, observed: &Observation, landed: impl FnOnce() -> bool) -> Conditions {
         let b = &self.limits;
