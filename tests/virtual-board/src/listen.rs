@@ -15,8 +15,8 @@ use crate::machine::{Failure, Machine};
 const BOOT: u64 = 200;
 /// \[ms\] At once, where it goes as fast as it can.
 const STRETCH: u64 = 4;
-/// \[ms\] That it goes on so when its program has gone: a flight's lost link ends within that.
-const LEFT: u64 = 2_000;
+/// \[ms\] That it goes on so when its program has gone in flight, which ends within that.
+const LEFT: u64 = 1_000;
 /// How long nothing is done where there is nothing to do.
 const PAUSE: Duration = Duration::from_micros(200);
 
@@ -83,7 +83,7 @@ impl Server {
             } else if self.program.is_some() {
                 (0..STRETCH).map(|_| self.pace.due(now)).sum()
             } else {
-                STRETCH * u64::from(self.left < LEFT)
+                STRETCH * u64::from(self.is_left())
             };
             if due == 0 {
                 std::thread::sleep(PAUSE);
@@ -101,7 +101,7 @@ impl Server {
     /// One program at a time: the line of any other is closed at once. Where time waits for programs, the
     /// next one comes when the board has found that the last one has gone.
     fn welcome(&mut self) {
-        if self.program.is_none() && !self.real && self.left < LEFT {
+        if self.program.is_none() && !self.real && self.is_left() {
             return;
         }
         while let Ok((stream, _)) = self.listener.accept() {
@@ -111,6 +111,11 @@ impl Server {
                 self.pace.hear(self.begun.elapsed());
             }
         }
+    }
+
+    /// Its program has gone in flight, and it has not yet had the time to find that.
+    fn is_left(&self) -> bool {
+        self.left < LEFT && self.table.state.motors_may_turn()
     }
 
     /// All that has come, and whether the program has gone.

