@@ -120,8 +120,6 @@ fn a_stack_that_overflows_faults_and_is_reported() {
 /// Where the registers of a floating-point unit are put late, at the first instruction that needs them
 /// (ARMv7-M reference manual, B1.5.7, B3.2.23).
 const FPCAR: u32 = 0xE000_EF38;
-/// No memory and no register lies there.
-const NOTHING: u32 = 0x9000_0000;
 
 /// A handler that sends the registers to `address`: MOVW and MOVT of r0 and r1, STR r1, [r0], VMOV s0, s0,
 /// B . (A7.7.76, A7.7.79, A7.7.161, A7.7.240, A7.7.12).
@@ -137,28 +135,26 @@ fn saves_registers_at(address: u32) -> Vec<u8> {
     code.iter().flat_map(|&half| u16::try_from(half).expect("16 bits").to_le_bytes()).collect()
 }
 
-/// The floating-point registers of an interrupt are stacked late, and may meet the guard or no memory then:
-/// that is the stack's overflow too, and no fault of the instruction's. Of the emergency stop's interrupt,
+/// The floating-point registers of an interrupt are stacked late, and may meet the guard then: that is the
+/// stack's overflow too, and no fault of the instruction's. Of the emergency stop's interrupt,
 /// whose code another takes the place of.
 #[test]
 fn registers_that_cannot_be_stacked_late_are_an_overflow() {
     let rig = presets::PAPER;
-    let guard = firmware().address("_stack_end").expect("a stack");
-    for place in [u32::try_from(guard).expect("32 bits"), NOTHING] {
-        let setup = Setup {
-            protects_memory: true,
-            refusals_allowed: true,
-            ..Setup::new(firmware()).with_image(ADDRESS, image(&[paper_parameters(&rig)]))
-        };
-        let mut station = start(setup, &rig);
-        station.run(100);
-        station.machine.with(move |board| {
-            board.replace_flash(board.symbol("EXTI15_10"), &saves_registers_at(place));
-        });
-        station.machine.rig(|heli: &mut Helicopter| heli.press(true, false));
-        station.run(5);
-        station.machine.rig(|heli: &mut Helicopter| heli.press(false, false));
-        station.run(300);
-        assert_reported(&mut station, Condition::ResetByStackOverflow);
-    }
+    let guard = u32::try_from(firmware().address("_stack_end").expect("a stack")).expect("32 bits");
+    let setup = Setup {
+        protects_memory: true,
+        refusals_allowed: true,
+        ..Setup::new(firmware()).with_image(ADDRESS, image(&[paper_parameters(&rig)]))
+    };
+    let mut station = start(setup, &rig);
+    station.run(100);
+    station.machine.with(move |board| {
+        board.replace_flash(board.symbol("EXTI15_10"), &saves_registers_at(guard));
+    });
+    station.machine.rig(|heli: &mut Helicopter| heli.press(true, false));
+    station.run(5);
+    station.machine.rig(|heli: &mut Helicopter| heli.press(false, false));
+    station.run(300);
+    assert_reported(&mut station, Condition::ResetByStackOverflow);
 }

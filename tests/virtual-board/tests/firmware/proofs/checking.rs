@@ -106,16 +106,11 @@ fn a_number_that_is_none_ends_a_check() {
 }
 
 /// The motion rules belong to the law's flight. In the check, whose pushes are what the encoders are to show,
-/// the verdict is what finds them.
+/// the verdict is what finds them. Every such fault on every preset is tried in the core's own tests.
 #[test]
-fn no_check_passes_with_an_encoder_that_is_stuck_reversed_or_swapped() {
-    let spoilt: [fn(&mut Helicopter); 5] = [
-        |heli| heli.faults().encoder_stuck.pitch = true,
-        |heli| heli.faults().encoder_stuck.yaw = true,
-        |heli| heli.faults().encoder_reversed.pitch = true,
-        |heli| heli.faults().encoder_reversed.yaw = true,
-        |heli| heli.faults().encoders_swapped = true,
-    ];
+fn no_check_passes_with_an_encoder_that_is_stuck_or_reversed() {
+    let spoilt: [fn(&mut Helicopter); 2] =
+        [|heli| heli.faults().encoder_stuck.pitch = true, |heli| heli.faults().encoder_reversed.yaw = true];
     for (nth, spoil) in spoilt.into_iter().enumerate() {
         let (verdict, mut station) = check(spoil);
         assert_ne!(verdict, Verdict::Passed, "{nth}");
