@@ -5,7 +5,10 @@
 //! computed once more ([`mod@again`]), parameters as an image of a board's flash ([`image`]), and a board that
 //! is simulated with its rig ([`simulated`]), as fast as whoever talks to it bears ([`pace`]).
 
-#![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare bits"))]
+#![cfg_attr(
+    test,
+    allow(clippy::float_cmp, clippy::cast_possible_truncation, reason = "tests compare bits and make samples")
+)]
 
 pub mod again;
 pub mod client;

@@ -199,7 +199,7 @@ fn board(state: Option<BoardState>) -> String {
 }
 
 /// What a scenario asks for that the motors cannot hold, in words.
-fn cannot_hold(settings: &Settings<f64>, scenario: &Scenario) -> Option<String> {
+pub(super) fn cannot_hold(settings: &Settings<f64>, scenario: &Scenario) -> Option<String> {
     let reach = StaticReach::new(settings);
     let pitches = scenario.references::<f64>().into_iter().map(|reference| reference.angle.pitch);
     let (low, high) = pitches.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));

@@ -63,7 +63,6 @@ pub enum Wish {
 
 /// What a session has to tell.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one at a time, and soon read")]
 pub enum Event {
     /// A step, in a word, and what came of it.
     Step(&'static str, String),

@@ -1,6 +1,7 @@
 //! What is to be flown, checked before any line is opened.
 
 use super::Args;
+use crate::cli::simulate::cannot_hold;
 use crate::error::{Failure, Outcome};
 use crate::files;
 use twinrotor::conversation::goal;
@@ -55,6 +56,7 @@ pub(super) fn task(args: &Args) -> Outcome<Task> {
         notes.push("the scenario's disturbance is left out: nothing but the air disturbs a rig".to_owned());
     }
     refuse_out_of_range(&scenario, &parameters)?;
+    notes.extend(cannot_hold(&gains.settings(&named.rig), &scenario));
     let trial = args.trial.as_ref().map(|name| files::gains("--trial", name)).transpose()?;
     if trial.is_some() && scenario.duration > LONGEST_TRIAL {
         return Err(Failure::Input(format!(
