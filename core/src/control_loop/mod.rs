@@ -292,6 +292,7 @@ impl ControlLoop {
         let found = self.monitor.check(&Observation {
             moved,
             estimate,
+            wanted: self.decision.reference,
             applied: self.latched,
             supply: inputs.supply,
             supply_before: self.supply,
