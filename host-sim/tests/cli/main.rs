@@ -1,5 +1,6 @@
 //! The program as people use it: flags, files, exit status.
 
+mod flights;
 mod lies;
 mod logs;
 mod searches;
