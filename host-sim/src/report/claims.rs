@@ -6,9 +6,10 @@ use super::{Entry, Picture, Section, Verdict, entry};
 use crate::error::Outcome;
 use rayon::prelude::*;
 use twinrotor::gains::{self, AxisGains, Gains};
+use twinrotor::plant::RigidBody;
 use twinrotor::plant::presets::PAPER;
 use twinrotor_plot::{Figure, Line, Panel, Stroke};
-use twinrotor_sim::flight::{Flight, Row};
+use twinrotor_sim::flight::Row;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 
@@ -49,23 +50,26 @@ fn criteria(searches: &Searches) -> Outcome<Entry> {
     ))
 }
 
-/// The function of eq. (18), half the sum of the squared errors of both axes, and what eq. (24) says that it
-/// falls by \[1/s\]: Ṁ = -Σ μ ξ².
-fn lyapunov_function(row: &Row, gains: &Gains<f64>) -> [f64; 2] {
-    let part = |error: f64, rate: f64, g: &AxisGains<f64>| {
+/// The function of eq. (18), half the sum of the squared errors of both axes; its slope \[1/s\] with the volts
+/// applied, Σ ξ ξ̇; and what eq. (24) says that the slope is, -Σ μ ξ².
+fn lyapunov_function(row: &Row, gains: &Gains<f64>) -> [f64; 3] {
+    let torque = PAPER.plant.effectiveness.torque(row.volts);
+    let accel = RigidBody::new(&PAPER.plant).at(&row.state).accel(torque);
+    let part = |error: f64, rate: f64, accel: f64, g: &AxisGains<f64>| {
         // The reference is constant: its rate is zero. Eqs (12), (20).
         let second = g.position * error - rate;
-        [0.5 * (error * error + second * second), -g.position * error * error - g.rate * second * second]
+        let slope = -error * rate - second * (g.position * rate + accel);
+        let promised = -g.position * error * error - g.rate * second * second;
+        [0.5 * (error * error + second * second), slope, promised]
     };
-    let error = errors(row);
-    let [m, slope] = part(error.pitch, row.state.rate.pitch, &gains.pitch);
-    let [yaw_m, yaw_slope] = part(error.yaw, row.state.rate.yaw, &gains.yaw);
-    [m + yaw_m, slope + yaw_slope]
+    let (error, rate) = (errors(row), row.state.rate);
+    let pitch = part(error.pitch, rate.pitch, accel.pitch, &gains.pitch);
+    let yaw = part(error.yaw, rate.yaw, accel.yaw, &gains.yaw);
+    [pitch[0] + yaw[0], pitch[1] + yaw[1], pitch[2] + yaw[2]]
 }
 
-/// \[-\] By which part the function's fall in a tick may miss eq. (24), for volts that are held for the tick:
-/// without a motor at its limit it misses it by less.
-const HELD: f64 = 0.02;
+/// \[-\] By which part the slope may miss eq. (24): f32, and volts in steps.
+const ROUNDING: f64 = 1e-3;
 
 /// What became of the function of eq. (18) in the ticks with a motor at its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,11 +90,10 @@ impl Clamped {
         let limit = PAPER.volts_limit;
         let mut found = Self { ticks: 0, rises: 0, slower: 0, slower_without: 0 };
         for pair in flown.rows.windows(2) {
-            let [[before, slope], [after, slope_after]] =
-                [&pair[0], &pair[1]].map(|row| lyapunov_function(row, &gains));
-            let promised = 0.5 * (slope + slope_after) * twinrotor_sim::scenario::SAMPLE_TIME;
+            let [before, slope, promised] = lyapunov_function(&pair[0], &gains);
+            let [after, ..] = lyapunov_function(&pair[1], &gains);
             // Where nothing is left to fall, rounding decides.
-            let slower = after - before > (1.0 - HELD) * promised && before > 1e-9;
+            let slower = slope > (1.0 - ROUNDING) * promised && before > 1e-6;
             let volts = pair[0].volts;
             if volts.main.abs() >= 0.999 * limit.main || volts.tail.abs() >= 0.999 * limit.tail {
                 found.ticks += 1;

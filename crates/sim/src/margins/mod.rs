@@ -22,6 +22,8 @@ pub const LONGEST_DELAY: u32 = 500;
 const STRIDE: f64 = 1.25;
 /// Halvings of what is between the last stable and the first unstable factor: to within 1 %.
 const HALVINGS: u32 = 5;
+/// \[V\] Which nothing is limited by: at its limits an unstable loop swings on without growing.
+const UNLIMITED: f64 = 1e9;
 /// \[rad\] Where the loop starts.
 const OFFSET: f64 = 1e-4;
 /// \[s\] A stretch over which the largest error is taken: longer than half a period of what swings slowest.
@@ -62,7 +64,8 @@ impl Margins {
     /// Of the controller of `settings` on `rig`.
     pub fn of(rig: &Rig, settings: &Settings<f64>) -> Self {
         let rig = linear(rig);
-        let settings = Settings { model: rig.plant, current_limit: None, ..*settings };
+        let volts_limit = PerMotor::both(UNLIMITED);
+        let settings = Settings { model: rig.plant, current_limit: None, volts_limit, ..*settings };
         let dies = |change: Change| rate(&rig, &settings, change) > 0.0;
         let edges = |change: fn(f64) -> Change| {
             FARTHEST.map(|farthest| edge(farthest, |factor| dies(change(factor))))
@@ -94,7 +97,6 @@ fn linear(rig: &Rig) -> Rig {
 fn rate(rig: &Rig, settings: &Settings<f64>, change: Change) -> f64 {
     let mut plant = rig.plant;
     plant.effectiveness = plant.effectiveness.map(|k| change.thrust * k);
-    plant.rotor_reaction = plant.rotor_reaction.map(|r| change.thrust * r);
     plant.rotor_time_constant = plant.rotor_time_constant.map(|tau| change.lag * tau);
     plant.inertia = plant.inertia.map(|inertia| change.inertia * inertia);
     let start = PerAxis::new(OFFSET, -OFFSET);

