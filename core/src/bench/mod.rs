@@ -14,7 +14,7 @@ pub use faults::Faults;
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
 use crate::plant::presets::Rig;
-use crate::plant::{RealPlant, State};
+use crate::plant::{PlantParameters, RealPlant, State};
 use crate::real::Real;
 
 /// A simulated rig; a step of its plant is a tick.
@@ -90,6 +90,11 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     #[must_use]
     pub fn with_plant(self, plant: RealPlant<R>) -> Self {
         Self { plant, ..self }
+    }
+
+    /// Its body becomes that of these constants, as with a weight hung on or taken off.
+    pub fn become_body(&mut self, parameters: &PlantParameters<R>) {
+        self.plant.become_body(parameters);
     }
 
     /// Where the rig truly is.

@@ -361,6 +361,7 @@ impl ControlLoop {
             moved,
             angle,
             rate,
+            wanted: self.decision.reference,
             applied: self.latched,
             supply: inputs.supply,
             supply_before: self.supply,

@@ -41,13 +41,15 @@ pub struct Belief<R> {
     pub estimate: Estimate<R>,
     /// The model at that state.
     pub dynamics: Dynamics<R>,
+    /// \[rad\] What was measured.
+    pub measured: PerAxis<R>,
 }
 
 impl<R: Real> Belief<R> {
-    /// With `model` taken at the estimate.
+    /// With `model` taken at an estimate whose angles are those measured.
     #[inline(always)]
     pub fn new(model: &RigidBody<R>, estimate: Estimate<R>) -> Self {
-        Self { estimate, dynamics: model.at(&estimate.state) }
+        Self { estimate, dynamics: model.at(&estimate.state), measured: estimate.state.angle }
     }
 }
 
@@ -137,7 +139,7 @@ impl<R: Real> Estimator<R> {
         match self {
             Self::FilteredDerivative(e) => Belief::new(model, e.update(measured)),
             Self::Observer(o) => {
-                let belief = Belief::new(model, o.correct(measured));
+                let belief = Belief { measured, ..Belief::new(model, o.correct(measured)) };
                 let torque = o.moving(torque, belief.estimate.state.rate);
                 o.predict(&belief.estimate, belief.dynamics.accel(torque));
                 belief

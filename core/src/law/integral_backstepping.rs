@@ -83,7 +83,7 @@ impl<R: Real> ControlLaw<R> for IntegralBackstepping<R> {
 
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
-        let gained = now.angle_error().scaled(self.sample_time);
+        let gained = now.measured_error().scaled(self.sample_time);
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]

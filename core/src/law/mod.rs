@@ -36,6 +36,8 @@ pub struct Situation<'a, R> {
     pub dynamics: Dynamics<R>,
     /// What is.
     pub estimate: Estimate<R>,
+    /// \[rad\] What was measured.
+    pub measured: PerAxis<R>,
     /// What should be.
     pub reference: Reference<R>,
 }
@@ -44,13 +46,21 @@ impl<'a, R: Real> Situation<'a, R> {
     /// With what was believed by this model.
     #[inline(always)]
     pub fn new(model: &'a RigidBody<R>, belief: Belief<R>, reference: Reference<R>) -> Self {
-        Self { model, dynamics: belief.dynamics, estimate: belief.estimate, reference }
+        let Belief { estimate, dynamics, measured } = belief;
+        Self { model, dynamics, estimate, measured, reference }
     }
 
     /// \[rad\] Reference minus estimate.
     #[inline(always)]
     pub fn angle_error(&self) -> PerAxis<R> {
         self.reference.angle.minus(self.estimate.state.angle)
+    }
+
+    /// \[rad\] Reference minus what was measured: what an integral sums. An observer that looks for no disturbance
+    /// is off by d/ω² under a constant one d, and would lead an integral of its estimate to that offset.
+    #[inline(always)]
+    pub fn measured_error(&self) -> PerAxis<R> {
+        self.reference.angle.minus(self.measured)
     }
 
     /// \[rad/s\] Reference minus estimate.

@@ -63,7 +63,7 @@ impl<R: Real> ControlLaw<R> for Pid<R> {
 
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
-        let gained = self.gains.zip(now.angle_error().scaled(self.sample_time), |g, e| g.integral * e);
+        let gained = self.gains.zip(now.measured_error().scaled(self.sample_time), |g, e| g.integral * e);
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]

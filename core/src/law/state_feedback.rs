@@ -84,7 +84,7 @@ impl<R: Real> ControlLaw<R> for StateFeedback<R> {
     #[inline(always)]
     fn settle(&mut self, now: &Situation<'_, R>, allocation: &Allocation<R>) {
         let limit = self.gains.integral_limit;
-        let gained = product(&self.gains.integral, now.angle_error().scaled(self.sample_time));
+        let gained = product(&self.gains.integral, now.measured_error().scaled(self.sample_time));
         self.integral = self.integral.zip(
             gained,
             #[inline(always)]

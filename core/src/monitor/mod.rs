@@ -5,8 +5,8 @@
 //! | condition | rule | time |
 //! |---|---|---|
 //! | `PitchJump`, `YawJump` | an encoder moved in one tick further than [`JUMP_MARGIN`] times the largest rate allows, plus [`JUMP_COUNTS`] counts | the tick it happens |
-//! | `PitchMotion`, `YawMotion` | armed, and the voltages of the last [`MOTION_WINDOW`] s should have given over [`MOTION_PUSH`] of what full voltage gives, the encoder shows less than [`MOTION_SHARE`] of that or the opposite | [`MOTION_TICKS`] in a row |
-//! | the same | armed, the encoder has not left its neighbouring counts for [`STILL_TICKS`], and what the voltages give has changed since by over [`STUCK_PUSH`] of what full voltage gives | when that should have moved it by [`STUCK_COUNTS`] |
+//! | `PitchMotion`, `YawMotion` | armed, and the voltages of the last [`MOTION_WINDOW`] s should have given over [`MOTION_PUSH`] of what full voltage gives, the encoder shows less than [`MOTION_SHARE`] of that or the opposite, and no disturbance of [`DISTURBANCE_VOLTS`] at each motor, nor a weight that can be held, explains it | [`MOTION_TICKS`] in a row |
+//! | the same | armed, the encoder has not left its neighbouring counts for [`STILL_TICKS`], and what the voltages give has changed since by over [`STUCK_PUSH`] of what full voltage gives while the axis was wanted [`STUCK_COUNTS`] elsewhere | when that should have moved it by [`STUCK_COUNTS`] |
 //! | `AngleEnvelope` | zeroed, and pitch beyond `limits.pitch` | the tick it happens |
 //! | `RateEnvelope` | an estimated rate beyond `limits.rate` | the tick it happens |
 //! | `NonFinite` | estimate, reference, torque or volts hold a NaN or an infinity (those volts are zero already) | the next tick |
@@ -17,10 +17,11 @@
 
 mod motion;
 mod persistence;
+mod watch;
 
 pub use motion::{
-    LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE, MOTION_TICKS, MOTION_WINDOW, STILL_TICKS,
-    STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
+    DISTURBANCE_VOLTS, LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE, MOTION_TICKS, MOTION_WINDOW,
+    STILL_TICKS, STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
 };
 
 use crate::axes::{PerAxis, PerMotor};
@@ -54,6 +55,8 @@ pub struct Observation {
     pub angle: PerAxis<f32>,
     /// \[rad/s\] Estimated rates.
     pub rate: PerAxis<f32>,
+    /// \[rad\] Where the last tick wanted to be.
+    pub wanted: PerAxis<f32>,
     /// \[V\] What acted on the motors since the last tick.
     pub applied: PerMotor<f32>,
     /// \[V\] Supply of the amplifiers.

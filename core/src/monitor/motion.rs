@@ -26,24 +26,27 @@
 //! observed    = shown - shown_load
 //! ```
 //!
-//! With a true model push = shown, and so expected = observed. The body is linearised about the horizontal
-//! (cos θ = 1, sin θ = θ, no coupling of the axes): what that gets wrong lasts, and goes with the load. An
-//! axis disagrees when one of two rules says so:
+//! With a true model and no disturbance push = shown, and so expected = observed. The body is linearised
+//! about the horizontal (cos θ = 1, sin θ = θ, no coupling of the axes): what that gets wrong lasts, and goes
+//! with the load. What an axis makes of the two is in `watch.rs`.
 //!
-//! ```text
-//! contradicts: |expected| > least  and  observed sign(expected) < MOTION_SHARE |expected|,
-//!              MOTION_TICKS in a row                          a swapped sign, a stuck encoder
-//! stuck:       still, and due > most, where                   a stuck encoder while the law holds a pose
-//!              change = min(|push - push when it became still|, |expected|)
-//!              due   <- due + T change if change > least, else 0
-//! ```
+//! # What a disturbance may do
+//!
+//! A loop that holds against a disturbance pushes, and its rig stays where it is: by its volts alone nothing
+//! tells it from a stuck encoder. What tells them apart is that a disturbance is bounded. One within ±d
+//! \[rad/s²\] parts observed from expected by at most W d ∫|g| dt, whatever its course, where g is the
+//! impulse response of both filters, 1/(s W + 1) and s L/(s L + 1): ∫|g| dt is twice the peak of their step
+//! response, 1.34. d comes from [`DISTURBANCE_VOLTS`] at each motor, on thrust that may be quadratic, and
+//! from friction. A weight hung on pulls the nose down harder than that, once, and is seen to do so.
 
 use super::Observation;
-use super::persistence::Persistence;
+use super::watch::{Parted, Watch};
 use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::Parameters;
+use crate::pipeline::Settings;
 use crate::plant::{PlantParameters, RotorTorque, bilinear_decay, follow};
 use crate::real::Real;
+use crate::static_reach::SPARE;
 
 /// \[s\] Time constant over which pushes and motion are compared.
 pub const MOTION_WINDOW: f32 = 0.2;
@@ -53,6 +56,15 @@ pub const LOAD_WINDOW: f32 = 1.0;
 pub const MOTION_PUSH: f32 = 0.2;
 /// Share of the expected motion that must be observed. Generous: constants are wrong by 30 %, lags by 100 ms.
 pub const MOTION_SHARE: f32 = 0.1;
+/// \[V\] Largest disturbance at each motor that the loop is to hold against; where a third of the motor's
+/// limit is less, that.
+pub const DISTURBANCE_VOLTS: f32 = 5.0;
+/// \[-\] Most that a disturbance within ±1 parts observed from expected: ∫|g| dt = 1.34, and 8 % for what the
+/// estimated rate overshoots by.
+const DISTURBANCE_PEAK: f32 = 1.45;
+/// \[-\] The same for a weight that comes or goes once, for the part of the thrust that can hold it. By the
+/// filters alone .67; with more than this, an encoder that sticks in motion is found too late.
+const WEIGHT_PEAK: f32 = 0.52;
 /// Share of full voltage's push by which it may change while an encoder shows no motion at all.
 pub const STUCK_PUSH: f32 = 0.06;
 /// \[counts\] How far that should have moved an encoder. Many: lags are longer than believed, constants less.
@@ -102,6 +114,7 @@ impl Motion {
             torque.zip(inertia(&s.model), |torque, inertia| MOTION_WINDOW * torque / inertia)
         };
         let (moving, changed) = (least(MOTION_PUSH, 1.0), least(STUCK_PUSH, STICTION));
+        let parted = bounds(s, reach.pitch);
         let most = parameters.encoders.map(|encoder| STUCK_COUNTS * encoder.angle_per_count);
         let tau = s.model.rotor_time_constant;
         let decay = |tau: f32| if tau > 0.0 { Real::max(bilinear_decay(step / tau), 0.0) } else { 0.0 };
@@ -125,8 +138,8 @@ impl Motion {
             push_load: Load::default(),
             shown_load: Load::default(),
             watch: PerAxis {
-                pitch: Watch::new(moving.pitch, changed.pitch, most.pitch),
-                yaw: Watch::new(moving.yaw, changed.yaw, most.yaw),
+                pitch: Watch::new(moving.pitch, parted.pitch, changed.pitch, most.pitch),
+                yaw: Watch::new(moving.yaw, parted.yaw, changed.yaw, most.yaw),
             },
         }
     }
@@ -164,13 +177,15 @@ impl Motion {
         let push = self.push;
         let expected = self.push_load.wash_out(push, self.keep_load);
         let observed = self.shown_load.wash_out(rate.minus(self.slow_rate), self.keep_load);
+        let wanted = observation.wanted.zip(angle, |wanted, angle| (wanted, angle));
+        let (pitch, yaw) = (&mut self.watch.pitch, &mut self.watch.yaw);
         let stuck = PerAxis {
-            pitch: self.watch.pitch.stillness.is_stuck(push.pitch, expected.pitch, lies, self.step),
-            yaw: self.watch.yaw.stillness.is_stuck(push.yaw, expected.yaw, false, self.step),
+            pitch: pitch.stillness.is_stuck(push.pitch, expected.pitch, wanted.pitch, lies, self.step),
+            yaw: yaw.stillness.is_stuck(push.yaw, expected.yaw, wanted.yaw, false, self.step),
         };
         PerAxis {
-            pitch: self.watch.pitch.contradicts(expected.pitch, observed.pitch) || stuck.pitch,
-            yaw: self.watch.yaw.contradicts(expected.yaw, observed.yaw) || stuck.yaw,
+            pitch: pitch.contradicts(expected.pitch, observed.pitch) || stuck.pitch,
+            yaw: yaw.contradicts(expected.yaw, observed.yaw) || stuck.yaw,
         }
     }
 }
@@ -207,82 +222,33 @@ impl LinearBody {
     }
 }
 
+/// \[rad/s\] By how much a disturbance may part what is observed from what is expected, with full volts
+/// giving a torque of `reach` \[N m\] in pitch.
+fn bounds(settings: &Settings<f32>, reach: f32) -> PerAxis<Parted> {
+    let model = &settings.model;
+    let volts = settings.volts_limit.map(|limit| Real::min(DISTURBANCE_VOLTS, limit * (1.0 / 3.0)));
+    let linear = model.effectiveness.map(f32::abs).torque(volts);
+    // Added to half of the limit, where v|v| rises by the limit for each volt.
+    let square = volts.zip(settings.volts_limit, |volts, limit| volts * limit);
+    let quadratic = model.quadratic_effectiveness.map(f32::abs).torque(square);
+    let torque = linear.plus(quadratic).plus(model.coulomb_friction).scaled(DISTURBANCE_PEAK);
+    let holds = Real::max(
+        (1.0 - f32::from_f64(SPARE)) * reach - model.mass * model.gravity * model.center_of_mass,
+        0.0,
+    );
+    let weight = Real::max(WEIGHT_PEAK * holds, torque.pitch);
+    let rate = |torque: f32, inertia: f32| MOTION_WINDOW * torque / inertia;
+    let inertia = inertia(model);
+    PerAxis {
+        pitch: Parted { at_rest: rate(torque.pitch, inertia.pitch), against: rate(weight, inertia.pitch) },
+        yaw: Parted { at_rest: rate(torque.yaw, inertia.yaw), against: rate(torque.yaw, inertia.yaw) },
+    }
+}
+
 /// \[kg m²\] I + m L².
 fn inertia(model: &PlantParameters<f32>) -> PerAxis<f32> {
     let moment = model.mass * model.center_of_mass;
     model.inertia.map(|i| i + moment * model.center_of_mass)
-}
-
-/// The two rules of one axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Watch {
-    /// \[rad/s\] From where on an expected rate counts.
-    least: f32,
-    disagreement: Persistence,
-    stillness: Stillness,
-}
-
-impl Watch {
-    fn new(least: f32, least_change: f32, most: f32) -> Self {
-        let stillness = Stillness {
-            away: 0,
-            still: Persistence::default(),
-            push: 0.0,
-            least: least_change,
-            due: 0.0,
-            most,
-        };
-        Self { least, disagreement: Persistence::default(), stillness }
-    }
-
-    fn restart(self) -> Self {
-        let stillness = Stillness { away: 0, still: Persistence::default(), due: 0.0, ..self.stillness };
-        Self { disagreement: Persistence::default(), stillness, ..self }
-    }
-
-    /// Less than its share of the expected motion, in its direction.
-    #[inline(always)]
-    fn contradicts(&mut self, expected: f32, observed: f32) -> bool {
-        let (size, along) = if expected < 0.0 { (-expected, -observed) } else { (expected, observed) };
-        let contradicts = size > self.least && along < MOTION_SHARE * size;
-        self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY)
-    }
-}
-
-/// An encoder that does not move, and what it should have moved by.
-///
-/// A load that the model does not know (a weight, a hand, a disturbance) does not change with the push; so a
-/// change of the push moves even a loaded axis, and less of it is enough than for a comparison of rates.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Stillness {
-    /// \[counts\] How far the encoder is from where it has been still.
-    away: i32,
-    still: Persistence,
-    /// \[rad/s\] The push when it became still.
-    push: f32,
-    /// \[rad/s\] From where on a change of the push counts.
-    least: f32,
-    /// \[rad\] How far that should have moved the axis.
-    due: f32,
-    /// \[rad\] When that is too far.
-    most: f32,
-}
-
-impl Stillness {
-    /// True once the axis should have moved too far. `lies`: on its stop, where being still is no wonder.
-    #[inline(always)]
-    fn is_stuck(&mut self, push: f32, expected: f32, lies: bool, step: f32) -> bool {
-        let near = self.away.unsigned_abs() <= 1;
-        if !near {
-            self.away = 0;
-        }
-        if !self.still.over(near && !lies, STILL_TICKS / MOTION_EVERY) {
-            self.push = push;
-        }
-        let change = Real::min((push - self.push).abs(), expected.abs());
-        self.due = if change > self.least { self.due + change * step } else { 0.0 };
-        self.due > self.most
-    }
 }
 
 /// What of a motion lasts: a first-order low pass.

@@ -225,7 +225,8 @@ impl Pipeline<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::{State, presets};
+    use crate::estimator::{EstimatorSettings, luenberger};
+    use crate::plant::{RealPlant, State, presets};
     use crate::{defaults, gains};
     use proptest::prelude::*;
 
@@ -245,6 +246,38 @@ mod tests {
             let new = Pipeline::new(&settings, start);
             assert_eq!(pipeline, Pipeline { rotors: turning, current_limit: warm, ..new });
             assert!(turning != new.rotors && (warm.is_none() || warm != new.current_limit));
+        }
+    }
+
+    /// No offset under a constant disturbance, whichever estimator. (Mean of the last second; exact angles.)
+    #[test]
+    fn an_integral_leaves_no_offset_with_any_observer() {
+        let bandwidth = PerAxis::both(20.0);
+        let gains = PerAxis::both(luenberger(20.0, 1e-3));
+        for estimator in [
+            EstimatorSettings::FilteredDerivative { bandwidth: PerAxis::both(100.0) },
+            EstimatorSettings::Luenberger { bandwidth },
+            EstimatorSettings::ExtendedState { bandwidth },
+            EstimatorSettings::Observer { gains },
+        ] {
+            let mut rig = presets::AERO_LAB;
+            rig.plant.coulomb_friction = PerAxis::zero();
+            let controller = ControllerSettings { estimator, ..defaults::AERO_LAB };
+            let settings = Settings::new(&rig, controller, 1e-3);
+            let mut pipeline = Pipeline::new(&settings, PerAxis::zero());
+            let mut plant = RealPlant::<f64>::new(&rig.plant, State::default(), 1e-3);
+            let (mut volts, mut sum) = (PerMotor::zero(), PerAxis::zero());
+            for tick in 0..80_000 {
+                let angle = plant.state().angle;
+                let decision = pipeline.tick(angle, volts, &Reference::default());
+                plant.advance(volts, PerMotor::new(3.0, -2.0));
+                volts = decision.allocation.volts;
+                if tick >= 79_000 {
+                    sum = sum.plus(angle);
+                }
+            }
+            let mean = sum.scaled(1e-3).map(f64::abs);
+            assert!(mean.pitch < 1e-6 && mean.yaw < 1e-6, "{estimator:?}: {mean:?} rad");
         }
     }
 

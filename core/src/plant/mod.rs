@@ -75,6 +75,11 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         self.rate = state.rate.map(Compensated::new);
     }
 
+    /// Its body becomes that of these constants, as with a weight hung on; its pose, rates and rotors stay.
+    pub fn become_body(&mut self, parameters: &PlantParameters<R>) {
+        self.body = RigidBody::new(parameters);
+    }
+
     /// One step with `volts` held and `disturbance` \[V\] added to the volts in effect.
     #[inline(always)]
     pub fn advance(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) {

@@ -130,6 +130,14 @@ impl<R: Real> PlantParameters<R> {
         }
     }
 
+    /// The same helicopter with a weight of `mass` \[kg\] hung on `arm` \[m\] in front of the pivot: as eqs
+    /// (1)-(2) have only one point mass m at L, the one with both moments, m L and m L².
+    pub fn with_weight(&self, mass: R, arm: R) -> Self {
+        let moment = self.mass * self.center_of_mass + mass * arm;
+        let square = self.mass * self.center_of_mass * self.center_of_mass + mass * arm * arm;
+        Self { mass: moment * moment / square, center_of_mass: square / moment, ..*self }
+    }
+
     /// Each constant through `f`.
     #[inline(always)]
     pub fn map<U>(self, mut f: impl FnMut(R) -> U) -> PlantParameters<U> {

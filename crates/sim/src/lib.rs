@@ -16,6 +16,7 @@ pub mod error;
 pub mod flight;
 pub mod gains_file;
 pub mod lanes;
+pub mod margins;
 pub mod metrics;
 pub mod operation_count;
 pub mod rig;

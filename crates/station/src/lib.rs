@@ -7,7 +7,11 @@
 
 #![cfg_attr(
     test,
-    allow(clippy::float_cmp, clippy::cast_possible_truncation, reason = "tests compare bits and make samples")
+    allow(
+        clippy::float_cmp,
+        clippy::cast_possible_truncation,
+        reason = "tests compare bits and make samples"
+    )
 )]
 
 pub mod again;

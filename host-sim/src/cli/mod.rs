@@ -12,6 +12,7 @@ mod compare;
 mod flash;
 mod fly;
 mod identify;
+mod margins;
 mod pareto;
 mod replay;
 mod reproduce;
@@ -42,6 +43,8 @@ enum Command {
     Tune(tune::Args),
     /// Controllers side by side on hundreds of plants that none was tuned on
     Compare(compare::Args),
+    /// Thrust, lag, inertia and delay that a controller stands, and the slowest pole of its loop
+    Margins(margins::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
     /// Methods of search side by side on one problem: medians, spread, rank tests, convergence
@@ -71,6 +74,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Margins(args) => margins::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::BenchTuners(args) => bench_tuners::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),

@@ -1,6 +1,7 @@
 //! The program as people use it: flags, files, exit status.
 
 mod files;
+mod flights;
 mod lies;
 mod logs;
 mod panics;

@@ -1,0 +1,117 @@
+//! References that nobody should ask for, for minutes on end: no flight leaves the envelope, and the rig is at
+//! rest when they end.
+//!
+//! A part of the grid in every test run; `TWINROTOR_GOVERNOR_MINUTES=10 cargo test --release -p tests --test
+//! governor -- --nocapture` flies all of it for ten minutes each, and `TWINROTOR_PRESET=aero2` one rig's.
+
+mod feasible;
+mod fly;
+mod scenes;
+
+use fly::{After, fly};
+use rayon::prelude::*;
+use scenes::Scene;
+use twinrotor::SAMPLE_TIME;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::defaults;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::{self, Rig};
+use twinrotor::real::Real;
+use twinrotor_tune::robust::{Draw, draw};
+
+/// \[deg\] Largest error that a feasible reference may leave, as a share of its amplitude.
+const FEASIBLE_ERROR: f64 = 0.15;
+
+/// What came of one rig's flights.
+#[derive(Debug, Default)]
+struct Tally {
+    flights: usize,
+    left: usize,
+    cycles: usize,
+    feasible: usize,
+    missed: usize,
+}
+
+impl Tally {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            flights: self.flights + other.flights,
+            left: self.left + other.left,
+            cycles: self.cycles + other.cycles,
+            feasible: self.feasible + other.feasible,
+            missed: self.missed + other.missed,
+        }
+    }
+
+    fn of(rig: &Rig, scene: &Scene, plants: &[Draw], flown: &[After]) -> Self {
+        let count = rig.encoder_counts.map(|counts| 360.0 / f64::from(counts));
+        let left = |after: &&After| {
+            let (pitch, rate) = (after.peak.pitch.to_radians(), after.rate);
+            let limit = rig.envelope;
+            !(pitch <= limit.pitch && rate.pitch <= limit.rate.pitch && rate.yaw <= limit.rate.yaw)
+        };
+        let cycles = |after: &&After| !(after.rms.pitch <= count.pitch && after.rms.yaw <= count.yaw);
+        let feasible = |draw: &Draw| {
+            [rig.plant, draw.plant]
+                .iter()
+                .all(|plant| feasible::is_feasible(&Rig { plant: *plant, ..*rig }, scene))
+        };
+        let able: Vec<&After> =
+            plants.iter().zip(flown).filter(|(plant, _)| feasible(plant)).map(|(_, after)| after).collect();
+        let missed = |after: &&&After| {
+            let share = after.error.zip(scene.amplitude_deg, |error, most| error / most);
+            !(share.pitch <= FEASIBLE_ERROR && share.yaw <= FEASIBLE_ERROR)
+        };
+        Self {
+            flights: flown.len(),
+            left: flown.iter().filter(left).count(),
+            cycles: flown.iter().filter(cycles).count(),
+            feasible: able.len(),
+            missed: able.iter().filter(missed).count(),
+        }
+    }
+}
+
+/// The nominal plant and `count` drawn ones.
+fn plants(rig: &Rig, count: usize) -> Vec<Draw> {
+    let nominal =
+        Draw { plant: rig.plant, disturbance: PerMotor::zero(), encoder_phase: PerAxis::new(0.3, 0.8) };
+    core::iter::once(nominal).chain(draw(rig, count, 1)).collect()
+}
+
+#[test]
+fn no_reference_tumbles_a_rig() {
+    let minutes: Option<f64> =
+        std::env::var("TWINROTOR_GOVERNOR_MINUTES").ok().map(|n| n.parse().expect("minutes"));
+    let only = std::env::var("TWINROTOR_PRESET").ok();
+    let (scenes, drawn) = match minutes {
+        Some(minutes) => (scenes::grid(60.0 * minutes), 31),
+        None => (scenes::some(), 15),
+    };
+    println!(
+        "preset: flights, left the envelope, swing afterwards, feasible, of these with over 15 % of error"
+    );
+    for (name, rig) in presets::ALL {
+        // `paper-fixed` has no thermal limit and is slower than `paper`: nothing new.
+        if only.as_ref().map_or(name == "paper-fixed", |only| only != name) {
+            continue;
+        }
+        let tuned = defaults::named(name).expect("a controller for every preset");
+        let settings = Settings::new(&rig, tuned, SAMPLE_TIME).map(f32::from_f64);
+        let plants = plants(&rig, drawn);
+        let all = scenes
+            .par_iter()
+            .map(|scene| {
+                let tally = Tally::of(&rig, scene, &plants, &fly(&rig, &settings, &plants, scene));
+                if tally.left + tally.cycles + tally.missed > 0 {
+                    println!("  {name} {scene:?}: {tally:?}");
+                }
+                tally
+            })
+            .reduce(Tally::default, Tally::plus);
+        println!("{name}: {}, {}, {}, {}, {}", all.flights, all.left, all.cycles, all.feasible, all.missed);
+        if minutes.is_none() {
+            assert_eq!((all.left, all.cycles), (0, 0), "{name}");
+        }
+    }
+}
