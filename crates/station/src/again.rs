@@ -1,8 +1,8 @@
 //! A flight on a simulated rig, computed once more from what its frames say, and compared bit for bit.
 //!
 //! In which tick a message arrives is chance on a line. But a frame names the message that was taken last and
-//! when, so a host that knows what it said can fly exactly those ticks itself: from the rig's rest pose, where
-//! it was zeroed, through the same loop and the same bench.
+//! when, so a host that knows what it said can fly exactly those ticks itself: from the rig's rest pose,
+//! where it was zeroed, through the same loop and the same bench.
 
 use std::collections::BTreeMap;
 use twinrotor::SAMPLE_TIME;
@@ -19,8 +19,8 @@ use twinrotor::telemetry::Frame;
 use twinrotor::trial::{Attempt, Candidate};
 use twinrotor_sim::{Error, Outcome};
 
-/// Flies the ticks of `frames` from zeroing to the last one armed once more, with what the operator `said` and
-/// had `tried`, on `rig` and with `parameters`. Gives how many armed ticks were the same.
+/// Flies the ticks of `frames` from zeroing to the last one armed once more, with what the operator `said`
+/// and had `tried`, on `rig` and with `parameters`. Gives how many armed ticks were the same.
 ///
 /// # Errors
 ///

@@ -37,8 +37,8 @@ pub(super) struct Args {
     /// the log
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<String>,
-    /// Replay it on the board at this serial port (or tcp://HOST:PORT, or 'auto') as well, which must keep these
-    /// gains, and compare to the bit
+    /// Replay it on the board at this serial port (or tcp://HOST:PORT, or 'auto') as well, which must keep
+    /// these gains, and compare to the bit
     #[arg(long, value_name = "DEVICE")]
     port: Option<String>,
     /// Draw rates and volts as .svg or .png

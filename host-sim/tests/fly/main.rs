@@ -195,7 +195,7 @@ mod unix {
     }
 }
 
-/// Another controller, tried between two flights, accepted and saved; and taken back where it is not accepted.
+/// Another controller, tried between two flights, accepted and saved; taken back where it is not accepted.
 #[test]
 fn gains_are_tried_in_flight_shown_side_by_side_and_kept_if_that_is_wanted() {
     let folder = tempfile::tempdir().unwrap();

@@ -44,8 +44,8 @@ impl Session {
         }
         (self.bytes > 0).then(|| {
             format!(
-                "the port gave {} bytes that are no messages, and no answer: is this its port, does the board \
-                 run this firmware, at {} baud?",
+                "the port gave {} bytes that are no messages, and no answer: is this its port, does the \
+                 board run this firmware, at {} baud?",
                 self.bytes,
                 link::BAUD
             )

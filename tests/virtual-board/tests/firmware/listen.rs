@@ -147,8 +147,8 @@ fn a_board_whose_program_goes_away_in_flight_switches_off() {
     assert_eq!(fault.1, "the host was silent for too long");
 }
 
-/// Ticks by the clock, over five seconds: within a hundredth, at least in one of a few tries, since the machine
-/// may be busy with something else.
+/// Ticks by the clock, over five seconds: within a hundredth, at least in one of a few tries, since the
+/// machine may be busy with something else.
 #[test]
 fn a_board_in_real_time_keeps_to_the_clock() {
     let (_, parameters) = record::tuned(record::BUILT_IN);
