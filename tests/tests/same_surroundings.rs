@@ -1,5 +1,5 @@
-//! `gains/choices/NAME-pid-same.toml` is PID with all that stands around the law that boards boot with, and with
-//! the gains that the law amounts to.
+//! `gains/choices/NAME-pid-same.toml` is PID with all that stands around the law that boards boot with, and
+//! with the gains that the law amounts to.
 
 use std::path::Path;
 use twinrotor::controller::ControllerSettings;

@@ -56,8 +56,9 @@ impl<'a, R: Real> Situation<'a, R> {
         self.reference.angle.minus(self.estimate.state.angle)
     }
 
-    /// \[rad\] Reference minus what was measured: what an integral sums. An observer that looks for no disturbance
-    /// is off by d/ω² under a constant one d, and would lead an integral of its estimate to that offset.
+    /// \[rad\] Reference minus what was measured: what an integral sums. An observer that looks for no
+    /// disturbance is off by d/ω² under a constant one d, and would lead an integral of its estimate to
+    /// that offset.
     #[inline(always)]
     pub fn measured_error(&self) -> PerAxis<R> {
         self.reference.angle.minus(self.measured)

@@ -51,8 +51,8 @@ fn criteria(searches: &Searches) -> Outcome<Entry> {
     ))
 }
 
-/// The function of eq. (18), half the sum of the squared errors of both axes; its slope \[1/s\] with the volts
-/// applied, Σ ξ ξ̇; and what eq. (24) says that the slope is, -Σ μ ξ².
+/// The function of eq. (18), half the sum of the squared errors of both axes; its slope \[1/s\] with the
+/// volts applied, Σ ξ ξ̇; and what eq. (24) says that the slope is, -Σ μ ξ².
 fn lyapunov_function(row: &Row, gains: &Gains<f64>) -> [f64; 3] {
     let torque = PAPER.plant.effectiveness.torque(row.volts);
     let accel = RigidBody::new(&PAPER.plant).at(&row.state).accel(torque);
@@ -119,7 +119,8 @@ fn lyapunov(searches: &Searches) -> Outcome<Entry> {
     let told = |name: &str, Clamped { ticks, rises, slower, slower_without }: Clamped| {
         format!(
             "{name}: of {ticks} ticks with a motor at its limit the function of eq. (18) falls slower than \
-             eq. (24) says in {slower} and rises in {rises}; of the others it falls slower in {slower_without}"
+             eq. (24) says in {slower} and rises in {rises}; of the others it falls slower in \
+             {slower_without}"
         )
     };
     let verdict = match (paper.holds(), tuned.holds()) {
@@ -254,7 +255,8 @@ pub(super) fn contradictions() -> Section {
 mod tests {
     use super::*;
 
-    /// Eq. (24) is an equality wherever the motors give what the law asks for, and fails at every clamped tick.
+    /// Eq. (24) is an equality wherever the motors give what the law asks for, and fails at every clamped
+    /// tick.
     #[test]
     fn the_theorem_holds_but_for_the_ticks_with_a_motor_at_its_limit() {
         let found = Clamped::of(&GainsFile::paper()).unwrap();

@@ -12,8 +12,8 @@ const POINTS: u32 = 2_000;
 /// \[-\] Of volts and currents, at most.
 const MOST: f64 = 0.9;
 
-/// Whether the sine takes at most nine tenths of the volts, of the continuous and of the peak current. Squares
-/// are not feasible at any amplitude.
+/// Whether the sine takes at most nine tenths of the volts, of the continuous and of the peak current.
+/// Squares are not feasible at any amplitude.
 pub(crate) fn is_feasible(rig: &Rig, scene: &Scene) -> bool {
     if scene.wave == Wave::Square {
         return false;

@@ -1,5 +1,5 @@
-//! References that nobody should ask for, for minutes on end: no flight leaves the envelope, and the rig is at
-//! rest when they end.
+//! References that nobody should ask for, for minutes on end: no flight leaves the envelope, and the rig is
+//! at rest when they end.
 //!
 //! A part of the grid in every test run; `TWINROTOR_GOVERNOR_MINUTES=10 cargo test --release -p tests --test
 //! governor -- --nocapture` flies all of it for ten minutes each, and `TWINROTOR_PRESET=aero2` one rig's.

@@ -1,9 +1,10 @@
 //! How far a rig may be from what its controller believes before the loop is unstable.
 //!
-//! The sampled loop is linearised about the level pose: thrust by its slope at the nominal volts, no Coulomb
-//! friction, no constant weight, no counts, no PWM steps, and nothing at its limit; rotor lag, reaction torque,
-//! stiffness and one tick of delay as they are. A small offset from the pose then dies or grows as the slowest
-//! pole says. The loop is stepped until it shows which, so any law, observer and surroundings will do.
+//! The sampled loop is linearised about the level pose: thrust by its slope at the nominal volts, no
+//! Coulomb friction, no constant weight, no counts, no PWM steps, and nothing at its limit; rotor lag,
+//! reaction torque, stiffness and one tick of delay as they are. A small offset from the pose then dies or
+//! grows as the slowest pole says. The loop is stepped until it shows which, so any law, observer and
+//! surroundings will do.
 
 use crate::scenario::SAMPLE_TIME;
 use serde::Serialize;
@@ -117,7 +118,7 @@ fn rate(rig: &Rig, settings: &Settings<f64>, change: Change) -> f64 {
             *peak = peak.max(angle.pitch.abs()).max(angle.yaw.abs());
         }
         // It has shown what it does: far gone, or as near to rest as rounding allows.
-        if !(*peak < 1e3 * OFFSET) {
+        if peak.is_nan() || *peak >= 1e3 * OFFSET {
             return -(*peak / OFFSET).ln() / STRETCH;
         }
     }

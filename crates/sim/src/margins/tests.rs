@@ -61,8 +61,8 @@ fn the_slowest_pole_is_that_of_the_characteristic_equation() {
     assert!((found / exact - 1.0).abs() < 0.02, "{found} {exact}");
 }
 
-/// \[x, x, x, ms\] Upper thrust, lag and inertia margin and delay margin, from the eigenvalues of an independent
-/// f64 model of the sampled loop.
+/// \[x, x, x, ms\] Upper thrust, lag and inertia margin and delay margin, from the eigenvalues of an
+/// independent f64 model of the sampled loop.
 const EIGENVALUES: [(&str, [f64; 4]); 5] = [
     ("paper", [2.5, 3.2, 6.7, 9.0]),
     ("paper-fixed", [2.8, 3.7, 6.0, 45.0]),
