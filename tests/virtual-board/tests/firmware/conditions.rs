@@ -38,19 +38,30 @@ pub(super) fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
 /// is tried, and checks all that must follow. `within` is its rule's time \[ticks\].
 #[track_caller]
 fn expect(cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
+    expect_one(&[cause], within, hazard);
+}
+
+/// The same where one of several rules may be first.
+#[track_caller]
+fn expect_one(causes: &[Condition], within: u32, hazard: impl Fn(&mut Station)) {
     for (rig, parameters) in both() {
-        expect_of(&mut flying_with(&rig, &parameters), cause, within, &hazard);
+        expect_one_of(&mut flying_with(&rig, &parameters), causes, within, &hazard);
     }
-    expect_of(&mut trying(), cause, within, &hazard);
+    expect_one_of(&mut trying(), causes, within, &hazard);
 }
 
 #[track_caller]
 pub(super) fn expect_of(station: &mut Station, cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
+    expect_one_of(station, &[cause], within, hazard);
+}
+
+#[track_caller]
+fn expect_one_of(station: &mut Station, causes: &[Condition], within: u32, hazard: impl Fn(&mut Station)) {
     let before = station.heard.frames.last().expect("frames").tick;
     hazard(station);
     station.run(u64::from(within) + 100);
-    let (tick, found) = fault(station);
-    assert_eq!(found, cause, "{}", station.heard.summary());
+    let (tick, cause) = fault(station);
+    assert!(causes.contains(&cause), "{causes:?} expected: {}", station.heard.summary());
     // Two ticks of grace: one until the rig is looked at, one that the tick takes to tell.
     let taken = tick - before;
     assert!(taken <= within + 2, "{cause:?} came after {taken} ticks, allowed are {within}");
@@ -132,15 +143,18 @@ fn an_encoder_that_jumps() {
 
 #[test]
 fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
-    type Case = (Condition, fn(&mut Helicopter));
+    type Case = (&'static [Condition], fn(&mut Helicopter));
     let cases: [Case; 4] = [
-        (Condition::PitchMotion, |heli| heli.faults().encoder_stuck.pitch = true),
-        (Condition::PitchMotion, |heli| heli.faults().encoder_reversed.pitch = true),
-        (Condition::YawMotion, |heli| heli.faults().encoder_stuck.yaw = true),
-        (Condition::YawMotion, |heli| heli.faults().encoder_reversed.yaw = true),
+        (&[Condition::PitchMotion], |heli| heli.faults().encoder_stuck.pitch = true),
+        // It runs away from the goal, and may be at its limit before a disturbance is out of the question.
+        (&[Condition::PitchMotion, Condition::AngleEnvelope], |heli| {
+            heli.faults().encoder_reversed.pitch = true;
+        }),
+        (&[Condition::YawMotion], |heli| heli.faults().encoder_stuck.yaw = true),
+        (&[Condition::YawMotion], |heli| heli.faults().encoder_reversed.yaw = true),
     ];
-    for (cause, spoil) in cases {
-        expect(cause, 1_000, |station| {
+    for (causes, spoil) in cases {
+        expect_one(causes, 1_000, |station| {
             with_rig(station, spoil);
             station.aim(PerAxis::new(-0.3, -1.5));
         });
