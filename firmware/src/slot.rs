@@ -40,8 +40,8 @@ pub(crate) fn put(candidate: Candidate) {
 #[inline(always)]
 pub(crate) fn peek() -> Option<&'static Candidate> {
     #[expect(unsafe_code, reason = "the slot is full")]
-    // SAFETY: FULL was set after it was written, and the thread leaves it alone until `settle` frees it, after
-    // the tick's last look.
+    // SAFETY: FULL was set after it was written, and the thread leaves it alone until `settle` frees it,
+    // after the tick's last look.
     (!is_free()).then(|| unsafe { (*SLOT.0.get()).assume_init_ref() })
 }
 

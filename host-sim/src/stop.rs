@@ -1,8 +1,8 @@
 //! Signals that ask the program to end: Ctrl-C (SIGINT), SIGTERM and SIGHUP.
 //!
-//! Where nothing is lost that a user waits for, one ends the program at once. What has something to keep, or a
-//! board in its hands, [listens](listen): then the first one only asks, and [`requested`] tells. A hang-up that
-//! was ignored from the start, as under `nohup`, stays ignored.
+//! Where nothing is lost that a user waits for, one ends the program at once. What has something to keep, or
+//! a board in its hands, [listens](listen): then the first one only asks, and [`requested`] tells. A hang-up
+//! that was ignored from the start, as under `nohup`, stays ignored.
 
 use crate::files::output;
 use std::io::Write;

@@ -31,8 +31,8 @@ pub fn done(queue: &mut Receiver<'_>) {
     let _ = queue.dequeue();
 }
 
-/// Whether the candidate that waits beside the queue is of no more use after a tick of `command` and `disarm`:
-/// it was taken, or forgotten with what waited for it.
+/// Whether the candidate that waits beside the queue is of no more use after a tick of `command` and
+/// `disarm`: it was taken, or forgotten with what waited for it.
 #[inline(always)]
 pub fn is_done_with(
     candidate: &Candidate,

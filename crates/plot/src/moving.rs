@@ -1,7 +1,7 @@
 //! A flight as a moving picture: an SVG that every browser plays by itself, over and over.
 //!
-//! Two views of the helicopter, from the side (pitch) and from above (yaw), each with the reference as a ghost;
-//! beneath them the angles over time with a mark that runs along.
+//! Two views of the helicopter, from the side (pitch) and from above (yaw), each with the reference as a
+//! ghost; beneath them the angles over time with a mark that runs along.
 
 use crate::{COLOURS, GRID, SOFT};
 use plotters::style::RGBColor;

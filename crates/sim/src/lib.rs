@@ -28,8 +28,8 @@ pub use error::{Error, Outcome};
 /// How a text that is named comes in: from a file, an upload, a table of what is built in.
 pub type Read<'a> = &'a dyn Fn(&str) -> Outcome<String>;
 
-/// Does `name` stand for a text, and not for something known by name? It does if it ends in `.toml` or is a path
-/// of more than one part, such as what a shell makes of a command's output.
+/// Does `name` stand for a text, and not for something known by name? It does if it ends in `.toml` or is a
+/// path of more than one part, such as what a shell makes of a command's output.
 pub fn is_text(name: &str) -> bool {
     let toml = |ending: &std::ffi::OsStr| ending.eq_ignore_ascii_case("toml");
     name.contains('/') || std::path::Path::new(name).extension().is_some_and(toml)

@@ -79,11 +79,12 @@ pub(super) fn table_1(searches: &Searches) -> Section {
             "GA, PSO, GWO: high computational cost",
             "high, against FPA",
             format!(
-                "within .1 % of the optimum: FPA after {ours:.0} evaluations, the cheapest of the three after \
-                 {cheapest:.0}"
+                "within .1 % of the optimum: FPA after {ours:.0} evaluations, the cheapest of the three \
+                 after {cheapest:.0}"
             ),
             Verdict::of(ours * 2.0 < cheapest),
-            "an evaluation costs the same whoever asks for it; to within 1 % it is the random start that gets there",
+            "an evaluation costs the same whoever asks for it; to within 1 % it is the random start that gets \
+             there",
         ),
         entry(
             "a metaheuristic is needed to tune the gains",
@@ -153,8 +154,8 @@ fn measured(standings: &[Standing], seeds: u64) -> Grid {
         heads: vec!["method", "median ISE", "best", "worst", "evaluations to 1 %", "to .1 %"],
         rows: standings.iter().map(row).collect(),
         note: format!(
-            "ISE at the end and evaluations until within 1 % and .1 % of the lowest known, medians of {seeds} \
-             seeds. With one seed most methods begin with the same random points, so a small number that \
+            "ISE at the end and evaluations until within 1 % and .1 % of the lowest known, medians of \
+             {seeds} seeds. With one seed most methods begin with the same random points, so a small number that \
              several share is those points' luck and no method's merit."
         ),
     }

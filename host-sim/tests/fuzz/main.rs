@@ -1,8 +1,9 @@
-//! Nonsense by the thousand, from a seed: at the parsers in one process, and at the whole program. Nothing may
-//! panic and nothing may hang; what is read must be usable.
+//! Nonsense by the thousand, from a seed: at the parsers in one process, and at the whole program. Nothing
+//! may panic and nothing may hang; what is read must be usable.
 //!
 //! `TWINROTOR_FUZZ=1000000 cargo test --release -p host-sim --test fuzz parsers` for a million inputs to the
-//! parsers, `TWINROTOR_FUZZ=10000 cargo test --release -p host-sim --test fuzz program` for ten thousand runs.
+//! parsers, `TWINROTOR_FUZZ=10000 cargo test --release -p host-sim --test fuzz program` for ten thousand
+//! runs.
 
 mod mutate;
 mod parsers;

@@ -68,8 +68,8 @@ fn parsers_of_scenarios() {
     let good = [
         "duration = 3.0\n[pitch.steps]\njumps = [[0.5, 5.0], [1.5, 2.0]]\nperiod = 2.5\n[yaw.sine]\n\
          amplitude_deg = 10.0\nfrequency = 1.0\n",
-        "duration = 2.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = [[0.0, 40.0]]\n[disturbance]\nvolts = 1.0\n\
-         hold = 0.1\nwindow = [0.5, 1.5]\n",
+        "duration = 2.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = [[0.0, 40.0]]\n[disturbance]\n\
+         volts = 1.0\nhold = 0.1\nwindow = [0.5, 1.5]\n",
     ];
     let found = usable(|mut rng| {
         let text = one_of(&mut rng, &good);

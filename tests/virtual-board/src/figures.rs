@@ -109,8 +109,8 @@ impl Figures {
     /// Says which is not.
     pub fn within_budget(&self) -> Result<(), String> {
         let (papers, rigs) = (&self.papers, &self.rigs);
-        // The paper's median tick: 749 before link version 3, 786 at most for that alone (784); a trial's part
-        // of each tick and frame came later.
+        // The paper's median tick: 749 before link version 3, 786 at most for that alone (784); a trial's
+        // part of each tick and frame came later.
         let budget = [
             ("loadable_bytes", self.loadable_bytes, 192 << 10),
             ("static_ram_bytes", self.static_ram_bytes, 16 << 10),

@@ -101,7 +101,8 @@ fn a_trial_is_over_by_itself_or_when_taken_back() {
     assert_eq!(desk.board.frame().state, ArmState::Armed);
 }
 
-/// A burst of [trial, trial, accept] before the loop has taken anything: the first is tried, the rest refused.
+/// A burst of [trial, trial, accept] before the loop has taken anything: the first is tried, the rest
+/// refused.
 #[test]
 fn one_controller_is_tried_at_a_time() {
     let mut desk = Desk::flying();

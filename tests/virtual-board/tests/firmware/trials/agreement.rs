@@ -1,5 +1,5 @@
-//! Random trials at random ticks: nothing is written, nothing trips, no motor is jerked, and the host computes
-//! the same bits. A hundred swaps in 60,000 ticks, or as many as `TWINROTOR_TRIALS` says.
+//! Random trials at random ticks: nothing is written, nothing trips, no motor is jerked, and the host
+//! computes the same bits. A hundred swaps in 60,000 ticks, or as many as `TWINROTOR_TRIALS` says.
 
 use std::sync::OnceLock;
 
