@@ -1,6 +1,6 @@
 # Sourced: `processor_time` puts into $processor_seconds what this shell's children have taken so far, user
-# and system, in whole seconds. By way of a file: in a pipe or a substitution `times` would speak of a shell of
-# its own, which has no children.
+# and system, in whole seconds. By way of a file: in a pipe or a substitution `times` would speak of a shell
+# of its own, which has no children.
 processor_time() {
   local file
   file=$(mktemp)

@@ -83,8 +83,8 @@ pub(super) fn table_1(searches: &Searches) -> Section {
                  after {cheapest:.0}"
             ),
             Verdict::of(ours * 2.0 < cheapest),
-            "an evaluation costs the same whoever asks for it; to within 1 % it is the random start that gets \
-             there",
+            "an evaluation costs the same whoever asks for it; to within 1 % it is the random start that \
+             gets there",
         ),
         entry(
             "a metaheuristic is needed to tune the gains",
@@ -155,8 +155,8 @@ fn measured(standings: &[Standing], seeds: u64) -> Grid {
         rows: standings.iter().map(row).collect(),
         note: format!(
             "ISE at the end and evaluations until within 1 % and .1 % of the lowest known, medians of \
-             {seeds} seeds. With one seed most methods begin with the same random points, so a small number that \
-             several share is those points' luck and no method's merit."
+             {seeds} seeds. With one seed most methods begin with the same random points, so a small number \
+             that several share is those points' luck and no method's merit."
         ),
     }
 }

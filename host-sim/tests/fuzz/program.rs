@@ -25,7 +25,7 @@ const HANGS: Duration = Duration::from_secs(10);
 /// Command lines that are right; words in capitals stand for files that are made for each run.
 const SEEDS: [&str; 12] = [
     "simulate --preset RIG --gains GAINS --scenario SCENARIO --duration 0.05 --fidelity rig --csv o.csv",
-    "simulate --duration 0.02 --initial 1,2 --disturbance 1 --hold 0.01 --window 0,0.01 --export o.csv --json",
+    "simulate --duration 0.02 --initial 1,2 --disturbance 2 --hold 0.01 --window 0,0.01 --export o.csv",
     "tune --iterations 1 --population 4 --horizon 0.05 --bounds 1,25 --seed 7 --out o.toml --plot o.svg",
     "tune --iterations 1 --population 4 --horizon 0.05 --out o.toml --checkpoint c.ck --resume --json",
     "tune --objective robust --iterations 1 --population 4 --plants 2 --rounds 1 --out o.toml --preset RIG",

@@ -41,8 +41,8 @@ fn text(wish: &Wish, parameters: &Parameters) -> String {
         Wish::Check => format!(
             "First-power check: the main motor pushes with {:.1} V until the rig has moved, for 1.5 s at \
              most (pitch by about {:.0}°, yaw by {:.0}°), then the tail motor with {:.1} V (pitch by about \
-             {:.0}°, yaw by {:.0}°). Put the rig where it rests, keep clear, and keep a hand on the emergency \
-             stop. Begin?",
+             {:.0}°, yaw by {:.0}°). Put the rig where it rests, keep clear, and keep a hand on the \
+             emergency stop. Begin?",
             push.main.volts,
             degrees(push.main.motion.pitch),
             degrees(push.main.motion.yaw),
