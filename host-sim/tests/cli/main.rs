@@ -98,7 +98,7 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["identify", "empty.csv", "--window", "0"], "--window is 0"),
         (&["identify", "empty.csv", "--out", "no/such/rig.toml"], "no folder 'no/such'"),
         (&["replay", "empty.csv"], "empty.csv: is empty"),
-        (&["fly"], "unrecognized subcommand 'fly'"),
+        (&["flie"], "unrecognized subcommand 'flie'"),
     ];
     assert_refused(folder.path(), cases);
 }

@@ -10,9 +10,13 @@ use std::time::{Duration, Instant};
 /// From a signal to the end, on a machine that does other things as well.
 const SOON: Duration = Duration::from_secs(3);
 
+/// With a hang-up as it is at a terminal, also where these tests run under `nohup`.
 fn start(folder: &Path, words: &[&str]) -> Child {
-    let mut program = Command::new(words[0]);
-    program.args(&words[1..]).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut program = Command::new("env");
+    if cfg!(target_os = "linux") {
+        program.arg("--default-signal=HUP");
+    }
+    program.args(words).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped());
     program.spawn().unwrap()
 }
 
@@ -52,7 +56,7 @@ fn every_long_command_ends_soon_and_claims_nothing() {
         (&["tune", "--scenario", "hour.toml", "--iterations", "3000"], "-INT", "no candidate had"),
         (&["compare", "--plants", "30000"], "-INT", "error: interrupted\n"),
         (&["pareto", "--plants", "30000"], "-HUP", "nothing is written"),
-        (&["reproduce", "--full"], "-TERM", "error: interrupted\n"),
+        (&["reproduce"], "-TERM", "error: interrupted\n"),
         (&["bench-tuners", "--objective", "robust", "--seeds", "200"], "-HUP", "error: interrupted\n"),
         (
             &["simulate", "--scenario", "hour.toml", "--preset", "aero", "--csv", "run.csv"],
@@ -149,12 +153,12 @@ fn a_second_front_leaves_no_points_of_the_first() {
         let few = ["--plants", "4", "--iterations", "4", "--population", population, "--preset", preset];
         json(folder.path(), &[&["pareto", "--json"][..], &few].concat())["front"].as_array().unwrap().len()
     };
-    let first = search("12", "aero2");
+    search("12", "aero2");
     let at = |name: &str| folder.path().join("front").join(name);
     fs::write(at("99.toml"), "mine = true\n").unwrap();
     fs::copy(at("01.toml"), at("20.toml")).unwrap();
     let second = search("4", "aero");
-    assert!(second < first, "{second} of {first}");
+    assert!(second < 20, "{second}");
     let points = fs::read_dir(folder.path().join("front")).unwrap();
     let mut points: Vec<String> =
         points.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

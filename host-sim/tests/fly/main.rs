@@ -164,8 +164,21 @@ mod unix {
         fs::write(folder.path().join("long.toml"), long).unwrap();
         for signal in ["-INT", "-TERM", "-HUP"] {
             let board = Served::over_tcp(true, Mishap::None);
-            let mut program = Command::new(env!("CARGO_BIN_EXE_host-sim"))
-                .args(["fly", "--port", &board.port, "--yes", "--scenario", "long.toml"])
+            let mut program = Command::new("env");
+            // A hang-up as at a terminal, also where these tests run under `nohup`.
+            if cfg!(target_os = "linux") {
+                program.arg("--default-signal=HUP");
+            }
+            let mut program = program
+                .args([
+                    env!("CARGO_BIN_EXE_host-sim"),
+                    "fly",
+                    "--port",
+                    &board.port,
+                    "--yes",
+                    "--scenario",
+                    "long.toml",
+                ])
                 .args(["--record", "cut.csv"])
                 .current_dir(folder.path())
                 .stdout(Stdio::piped())
