@@ -24,21 +24,16 @@ fn hex(c: RGBColor) -> String {
     format!("#{:02X}{:02X}{:02X}", c.0, c.1, c.2)
 }
 
+/// A view's name, where its pivot stands, reference and angle \[rad\], and the helicopter in it.
+type View = (&'static str, [f64; 2], [fn(&Row) -> f64; 2], String);
+
 /// The flight of `rows` as an animated SVG that lasts as long as the flight did. `title` stands above it.
 pub fn moving(title: &str, rows: &[Row]) -> String {
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return String::new() };
     let duration = (last.time - first.time).max(STEP);
-    let mut next = first.time;
-    let shown: Vec<&Row> = rows
-        .iter()
-        .filter(|row| {
-            let due = row.time >= next;
-            if due {
-                next += STEP;
-            }
-            due
-        })
-        .collect();
+    // Evenly spaced, as the browser takes them to be, and with the last.
+    let pictures = (1..=rows.len()).rev().find(|n| *n as f64 * STEP <= duration + 0.5 * STEP).unwrap_or(1);
+    let shown: Vec<&Row> = (0..=pictures).map(|k| &rows[k * (rows.len() - 1) / pictures]).collect();
     let [width, height] = SIZE;
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
@@ -48,11 +43,11 @@ pub fn moving(title: &str, rows: &[Row]) -> String {
         title.replace('&', "&amp;").replace('<', "&lt;")
     );
     // Nose up is positive pitch; seen from above, positive yaw turns the nose to the left.
-    let views: [(&str, [f64; 2], fn(&Row) -> f64, fn(&Row) -> f64, fn() -> String); 2] = [
-        ("pitch, from the side", SIDE, |r| r.state.angle.pitch, |r| r.reference.pitch, side),
-        ("yaw, from above", ABOVE, |r| r.state.angle.yaw, |r| r.reference.yaw, above),
+    let views: [View; 2] = [
+        ("pitch, from the side", SIDE, [|r| r.reference.pitch, |r| r.state.angle.pitch], side()),
+        ("yaw, from above", ABOVE, [|r| r.reference.yaw, |r| r.state.angle.yaw], above()),
     ];
-    for (k, (name, [x, y], angle, reference, body)) in views.into_iter().enumerate() {
+    for (k, (name, [x, y], [reference, angle], body)) in views.into_iter().enumerate() {
         let _ = writeln!(
             text,
             "<text x=\"{x}\" y=\"240\" text-anchor=\"middle\" fill=\"{}\">{name}</text>",
@@ -81,7 +76,7 @@ pub fn moving(title: &str, rows: &[Row]) -> String {
             );
         }
         text += &turned(reference, &ghost);
-        text += &turned(angle, &body());
+        text += &turned(angle, &body);
     }
     text += &plot(&shown, first.time, duration);
     text + "</svg>\n"

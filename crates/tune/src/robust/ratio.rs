@@ -84,6 +84,13 @@ mod tests {
         assert_eq!(below(&[1.0, 1.1], &[2.0, 2.0]), Some(true));
         assert_eq!(below(&[2.0, 1.9], &[1.0, 1.0]), Some(false));
         assert_eq!(below(&[1.0, 2.0], &[1.5, 1.5]), None, "one tuning each way");
-        assert_eq!(below(&[0.948], &[1.0]), None, "other plants would say otherwise");
+        // A tenth better on the average, by half of the plants alone.
+        let uneven: Vec<Score> = (0..60)
+            .zip(scores(0.0))
+            .map(|(k, score)| Score { saturation_time: if k % 2 == 0 { 0.2 } else { 1.6 }, ..score })
+            .collect();
+        let sum: Measure = |scores| scores.iter().map(|s| s.saturation_time).sum();
+        let other = Ratio::new(&[uneven], &[scores(1.0)], sum, 1);
+        assert!(other.one < 0.95 * other.other && other.is_below(0.95).is_none(), "{other:?}");
     }
 }
