@@ -20,7 +20,7 @@ pub(super) struct Common {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
     #[arg(long, default_value = "paper")]
     pub preset: String,
-    /// Rotor lag of both motors \[s\] instead of the preset's; it acts with --fidelity rig
+    /// Rotor lag of both motors, in s, instead of the preset's; it acts with --fidelity rig
     #[arg(long, value_name = "S")]
     pub rotor_lag: Option<f64>,
     /// Of everything random

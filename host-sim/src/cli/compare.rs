@@ -33,13 +33,13 @@ pub(super) struct Args {
     /// Which, by name or gains file, instead of all there are; 'ours' is always there
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     controllers: Vec<String>,
-    /// Step to fly \[deg\], both positive, instead of 15,40
+    /// Step to fly, in degrees, both positive, instead of 15,40
     #[arg(long, value_name = "PITCH,YAW", allow_hyphen_values = true)]
     step: Option<String>,
-    /// When the disturbance sets in, and half of the flight \[s\], instead of what the preset allows
+    /// When the disturbance sets in, and half of the flight, in s, instead of what the preset allows
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     allowance: Option<f64>,
-    /// True lag of both rotors \[s\] in every plant, whatever the controllers believe
+    /// True lag of both rotors, in s, in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
     /// Rig that every plant is in truth, whatever the controllers believe; lag and disturbance are still

@@ -54,7 +54,7 @@ pub(super) struct Args {
     /// Constants to leave as the preset has them, such as rotor_time_constant.tail
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fix: Vec<String>,
-    /// Length of the windows that are fitted \[s\]
+    /// Length of the windows that are fitted, in s
     #[arg(long, value_name = "S", default_value_t = WINDOW, allow_negative_numbers = true)]
     window: f64,
     /// Flowers of the search for where to begin

@@ -27,40 +27,48 @@ use clap::{Arg, ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
 
+/// What an exit status says, as help tells it.
+const STATUSES: &str = "\
+Exit status: 0 done, 1 the run failed, 2 bad input, 130 interrupted,
+             3 the flight left the envelope or a fault stopped it
+Begin with:  host-sim tune, host-sim fly
+             docs/first-flight.md goes the whole road";
+
 /// Simulate, tune and check the controller that flies on the board: the same core, bit for bit.
 #[derive(Debug, Parser)]
-#[command(name = "host-sim", version, about)]
+#[command(name = "host-sim", version, about, after_help = STATUSES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
+/// In the order in which people need them.
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Fly one scenario and report settling, overshoot, error integrals and what the motors were asked for
-    Simulate(simulate::Args),
     /// Breed gains by flower pollination, set them beside the paper's and write them to a file
     Tune(tune::Args),
-    /// Controllers side by side on hundreds of plants that none was tuned on
-    Compare(compare::Args),
-    /// Thrust, lag, inertia and delay that a controller stands, and the slowest pole of its loop
-    Margins(margins::Args),
-    /// How fast this machine is: closed-loop steps a second on one core
-    Bench(bench::Args),
-    /// Methods of search side by side on one problem: medians, spread, rank tests, convergence
-    BenchTuners(bench_tuners::Args),
-    /// The paper's tables, figures and claims beside ours, as a report to open in a browser
-    Reproduce(reproduce::Args),
-    /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
-    Pareto(pareto::Args),
+    /// Fly one scenario and report settling, overshoot, error integrals and what the motors were asked for
+    Simulate(simulate::Args),
+    /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
+    Fly(fly::Args),
+    /// Put gains on a board: by an image, a debug probe or the serial link
+    Flash(flash::Args),
     /// A rig's constants, with intervals, from logs of its own runs
     Identify(identify::Args),
     /// A log through the firmware's own estimator and law
     Replay(replay::Args),
-    /// Put gains on a board: by an image, a debug probe or the serial link
-    Flash(flash::Args),
-    /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
-    Fly(fly::Args),
+    /// Controllers side by side on hundreds of plants that none was tuned on
+    Compare(compare::Args),
+    /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
+    Pareto(pareto::Args),
+    /// Thrust, lag, inertia and delay that a controller stands, and the slowest pole of its loop
+    Margins(margins::Args),
+    /// The paper's tables, figures and claims beside ours, as a report to open in a browser
+    Reproduce(reproduce::Args),
+    /// Methods of search side by side on one problem: medians, spread, rank tests, convergence
+    BenchTuners(bench_tuners::Args),
+    /// How fast this machine is: closed-loop steps a second on one core
+    Bench(bench::Args),
 }
 
 /// Runs what was typed.

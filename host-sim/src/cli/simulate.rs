@@ -49,7 +49,7 @@ pub(super) struct Args {
     /// Arithmetic: as the board computes (f32), or to verify (f64)
     #[arg(long, default_value = "f32")]
     scalar: choices::Scalar,
-    /// How long to fly \[s\] instead of the scenario's duration
+    /// How long to fly, in s, instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Where to start, at rest
@@ -58,10 +58,10 @@ pub(super) struct Args {
     /// Amplitude of random volts added to each motor
     #[arg(long, value_name = "VOLTS", allow_negative_numbers = true)]
     disturbance: Option<f64>,
-    /// How long each random value holds \[s\]
+    /// How long each random value holds, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     hold: Option<f64>,
-    /// From when to when the disturbance acts \[s\]
+    /// From when to when the disturbance acts, in s
     #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true)]
     window: Option<String>,
     /// Write every tick to a CSV file, SI units

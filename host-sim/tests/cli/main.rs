@@ -26,6 +26,24 @@ fn json(folder: &Path, args: &[&str]) -> Value {
 
 const SMALL: [&str; 4] = ["--population", "12", "--iterations", "3"];
 
+/// Help is for people: no marks of the source, and what an exit status says.
+#[test]
+fn every_command_has_help_without_marks_of_the_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = |args: &[&str]| String::from_utf8(host_sim(folder.path(), args).stdout).unwrap();
+    let all = help(&["--help"]);
+    assert!(all.contains("Exit status: 0 done"), "{all}");
+    let commands: Vec<&str> =
+        all.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    assert!(commands.len() > 12, "{commands:?}");
+    for command in
+        commands.into_iter().filter(|name| !name.is_empty() && !name.starts_with('-') && *name != "help")
+    {
+        let told = help(&[command, "--help"]);
+        assert!(!told.contains('\\') && told.len() > 100, "{command}: {told}");
+    }
+}
+
 #[test]
 fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();

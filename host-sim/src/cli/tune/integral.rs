@@ -31,7 +31,7 @@ pub(super) struct Args {
     /// The paper's world or the rig's [default: ideal]
     #[arg(long)]
     fidelity: Option<choices::Fidelity>,
-    /// How long each candidate flies \[s\] instead of the scenario's duration
+    /// How long each candidate flies, in s, instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     horizon: Option<f64>,
     /// Least and most of each gain [default: 1,25]
