@@ -69,6 +69,7 @@ const AHEAD: usize = MAX_FRAME - MAX_MESSAGE;
 /// stands a byte that says how far the next one is. Gives the place of the zero behind them.
 fn stuff(buffer: &mut [u8; MAX_FRAME], plain: Range<usize>) -> usize {
     let (mut mark, mut end, mut distance) = (0, 1, 1_u8);
+    let (last, empty) = (plain.end.saturating_sub(1), plain.is_empty());
     for at in plain {
         let byte = buffer.get(at).copied().unwrap_or(0);
         if byte != 0 {
@@ -80,7 +81,12 @@ fn stuff(buffer: &mut [u8; MAX_FRAME], plain: Range<usize>) -> usize {
             (mark, end, distance) = (end, end.saturating_add(1), 1);
         }
     }
-    put(buffer, mark, distance);
+    // Behind a run of 254 that ends the message there is nothing to tell.
+    let full = distance == 1 && !empty && buffer.get(last).is_some_and(|byte| *byte != 0);
+    if !full {
+        put(buffer, mark, distance);
+    }
+    let end = if full { mark } else { end };
     put(buffer, end, 0);
     end
 }
@@ -151,6 +157,20 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    #[test]
+    fn a_run_that_ends_the_message_is_followed_by_nothing() {
+        for length in [253, 254, 255, 507, 508, 509] {
+            let mut buffer = [0xAA; MAX_FRAME];
+            buffer[AHEAD..AHEAD + length].fill(7);
+            let end = stuff(&mut buffer, AHEAD..AHEAD + length);
+            assert_eq!(end, length + length.div_ceil(254), "{length}");
+            assert!(buffer[..end].iter().all(|byte| *byte != 0) && buffer[end] == 0);
+            let mut frame = buffer[..end].to_vec();
+            assert_eq!(cobs::decode_in_place(&mut frame).unwrap(), length);
+            assert!(frame[..length].iter().all(|byte| *byte == 7));
+        }
+    }
+
     proptest! {
         /// What another implementation of COBS makes of the same bytes; none of them zero, many, all.
         #[test]
@@ -171,6 +191,8 @@ mod tests {
             let end = stuff(&mut buffer, AHEAD..AHEAD + bytes.len());
             let mut expected = [0; MAX_FRAME];
             let length = cobs::try_encode(&bytes, &mut expected).unwrap();
+            // It leaves what it thought better of.
+            expected[length] = 0;
             prop_assert_eq!(&buffer[..=end], &expected[..=length]);
         }
     }
