@@ -32,7 +32,7 @@ fn the_last_seeds_are_seeds_like_others() {
         run(&["simulate", "--seed", seed, "--duration", "0.1", "--disturbance", "1"]);
         run(&[&["tune", "--seed", seed, "--horizon", "0.1"][..], &SMALL].concat());
     }
-    run(&["reproduce", "--seed", LAST_SEEDS[2]]);
+    run(&["reproduce", "--quick", "--seed", LAST_SEEDS[2]]);
 }
 
 #[test]
