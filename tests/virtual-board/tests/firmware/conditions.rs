@@ -154,7 +154,8 @@ fn an_encoder_that_is_stuck_or_swapped_while_the_rig_is_told_to_move() {
         (&[Condition::YawMotion], |heli| heli.faults().encoder_reversed.yaw = true),
     ];
     for (causes, spoil) in cases {
-        expect_one(causes, 1_000, |station| {
+        // Twice the second that a rule took which knew of no disturbance (docs/motion-monitor.md).
+        expect_one(causes, 2_000, |station| {
             with_rig(station, spoil);
             station.aim(PerAxis::new(-0.3, -1.5));
         });
