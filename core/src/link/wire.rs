@@ -74,11 +74,11 @@ fn stuff(buffer: &mut [u8; MAX_FRAME], plain: Range<usize>) -> usize {
         let byte = buffer.get(at).copied().unwrap_or(0);
         if byte != 0 {
             put(buffer, end, byte);
-            (end, distance) = (end.wrapping_add(1), distance.wrapping_add(1));
+            (end, distance) = (end.saturating_add(1), distance.saturating_add(1));
         }
         if byte == 0 || distance == u8::MAX {
             put(buffer, mark, distance);
-            (mark, end, distance) = (end, end.wrapping_add(1), 1);
+            (mark, end, distance) = (end, end.saturating_add(1), 1);
         }
     }
     // Behind a run of 254 that ends the message there is nothing to tell.

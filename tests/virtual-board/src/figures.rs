@@ -124,8 +124,9 @@ impl Figures {
             return Err(format!("{name} is {value}, allowed are {most}; {self}"));
         }
         let idle = papers.idle_percent.min(rigs.idle_percent);
-        if idle < 97.0 {
-            Err(format!("the core idles {idle:.1} % of its time, at least 97 are wanted"))
+        // 97 before trials and what the monitor makes of a disturbance.
+        if idle < 96.5 {
+            Err(format!("the core idles {idle:.1} % of its time, at least 96.5 are wanted"))
         } else {
             Ok(())
         }
