@@ -78,6 +78,23 @@ pub struct Inputs<'a> {
     pub command: Option<&'a Numbered<OperatorCommand>>,
 }
 
+impl Inputs<'_> {
+    /// From a rig and a board with nothing wrong, a host there that wants nothing; `supply` in V.
+    #[must_use]
+    pub const fn sound(counters: PerAxis<u32>, supply: f32) -> Self {
+        Self {
+            counters,
+            supply,
+            current_limit: false,
+            senses: Conditions::NONE,
+            heard: true,
+            disarm: false,
+            trial: None,
+            command: None,
+        }
+    }
+}
+
 /// What the operator may want of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum OperatorCommand {

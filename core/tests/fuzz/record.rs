@@ -8,7 +8,6 @@ use twinrotor::encoder::CounterWidth;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::store::MAX_PAYLOAD;
 use twinrotor::plant::presets::PWM_STEPS;
-use twinrotor::supervisor::Conditions;
 
 #[test]
 fn whatever_a_record_says_is_refused_or_runs_without_a_panic() {
@@ -52,16 +51,7 @@ fn runs(parameters: &Parameters, chance: &mut Chance) {
     let drive = Drive::new(PWM_STEPS);
     let mut control = ControlLoop::new(parameters, CounterWidth::Bits16, counters, drive, None);
     for _ in 0..4 {
-        let outputs = control.tick(&Inputs {
-            counters,
-            supply: 24.0,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
-            trial: None,
-            command: None,
-        });
+        let outputs = control.tick(&Inputs::sound(counters, 24.0));
         assert!(!outputs.enable && outputs.duty.to_array().iter().all(|duty| duty.steps() == 0));
     }
 }

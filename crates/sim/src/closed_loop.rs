@@ -21,7 +21,7 @@ use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::sequence::{Numbered, Sequence};
-use twinrotor::supervisor::{ArmState, Conditions, Request};
+use twinrotor::supervisor::{ArmState, Request};
 
 /// What happened in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -191,14 +191,8 @@ impl BoardLoop {
     /// The board's tick; the plant stands still.
     fn step(&mut self, command: Option<OperatorCommand>) -> Outputs {
         self.control.tick(&Inputs {
-            counters: self.bench.counters(),
-            supply: self.bench.supply,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
-            trial: None,
             command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
+            ..Inputs::sound(self.bench.counters(), self.bench.supply)
         })
     }
 }

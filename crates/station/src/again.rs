@@ -14,7 +14,7 @@ use twinrotor::first_power::REST_TICKS;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::Rig;
 use twinrotor::sequence::{Numbered, Sequence};
-use twinrotor::supervisor::{ArmState, Conditions, Request};
+use twinrotor::supervisor::{ArmState, Request};
 use twinrotor::telemetry::Frame;
 use twinrotor::trial::{Attempt, Candidate};
 use twinrotor_sim::{Error, Outcome};
@@ -96,21 +96,16 @@ impl Host {
 
     fn tick(&mut self, command: Option<&Numbered<OperatorCommand>>) {
         let outputs = self.control.tick(&Inputs {
-            counters: self.bench.counters(),
-            supply: self.bench.supply,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
             trial: self.candidate.as_ref(),
             command,
+            ..Inputs::sound(self.bench.counters(), self.bench.supply)
         });
         self.bench.tick(outputs.duty, outputs.enable);
     }
 }
 
-/// Every number of a frame that a loop computes.
-fn bits(frame: &Frame) -> Vec<u32> {
+/// Every number of a frame that a loop computes, as bits.
+pub fn bits(frame: &Frame) -> Vec<u32> {
     let axes = [frame.angle, frame.rate, frame.disturbance, frame.reference, frame.unallocated_torque];
     let motors = [frame.demand, frame.volts];
     let axes = axes.iter().flat_map(|axis| [axis.pitch, axis.yaw]);

@@ -233,16 +233,25 @@ fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 /// A new file beside `path`, with what belongs to the one that is there.
 fn temporary(path: &Path, there: Option<&Metadata>) -> io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    // A temporary file is its owner's alone unless it is said otherwise; the umask holds either way.
-    #[cfg(unix)]
-    let builder = builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder(path))?;
+    let file = new_file().tempfile_in(folder(path))?;
     if let Some(there) = there {
         keep_owner(there, file.path())?;
         fs::set_permissions(file.path(), there.permissions())?;
     }
     Ok(file)
+}
+
+/// A temporary file is its owner's alone unless it is said otherwise; the umask holds either way.
+#[cfg(unix)]
+fn new_file() -> Builder<'static, 'static> {
+    let mut builder = Builder::new();
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder
+}
+
+#[cfg(not(unix))]
+fn new_file() -> Builder<'static, 'static> {
+    Builder::new()
 }
 
 #[cfg(unix)]

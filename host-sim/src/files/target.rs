@@ -74,6 +74,7 @@ impl Target {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Place {
     /// A device's number and a file's on it: the same for all its names.
+    #[cfg(unix)]
     Node(u64, u64),
     /// Where nothing is yet.
     Path(PathBuf),

@@ -14,7 +14,7 @@ use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::sequence::{Numbered, Sequence};
-use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 
 /// A cut of the motors, and the tick of the run in which it came.
 pub(crate) type Cut = (Condition, u32);
@@ -60,14 +60,8 @@ impl Flight {
 
     fn board(&mut self, command: Option<OperatorCommand>) -> Outputs {
         self.control.tick(&Inputs {
-            counters: self.bench.counters(),
-            supply: self.bench.supply,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
-            trial: None,
             command: command.map(|message| Numbered { sequence: Sequence(1), message }).as_ref(),
+            ..Inputs::sound(self.bench.counters(), self.bench.supply)
         })
     }
 

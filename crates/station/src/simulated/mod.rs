@@ -183,14 +183,12 @@ impl SimulatedBoard {
         let (_, mut receiver) = self.commands.split();
         let command = commands::next(&mut receiver, disarm);
         let outputs = self.control.tick(&Inputs {
-            counters: self.bench.counters(),
-            supply: self.bench.supply,
-            current_limit: false,
             senses: self.senses.union(self.conversation.standing()),
             heard: std::mem::take(&mut self.heard),
             disarm,
             trial: self.candidate.as_ref(),
             command,
+            ..Inputs::sound(self.bench.counters(), self.bench.supply)
         });
         self.candidate.take_if(|candidate| commands::is_done_with(candidate, command, disarm));
         if command.is_some() {

@@ -12,8 +12,9 @@ use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::reference::Reference;
 use twinrotor::sequence::{Numbered, Sequence};
-use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
+use twinrotor_station::again::bits;
 use virtual_board::chip::timer::Drive;
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
@@ -67,14 +68,8 @@ impl Host {
         command: Option<OperatorCommand>,
     ) -> (ControlLoop, Outputs) {
         let outputs = control.tick(&Inputs {
-            counters,
-            supply: self.supply,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
-            trial: None,
             command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
+            ..Inputs::sound(counters, self.supply)
         });
         (control, outputs)
     }
@@ -122,14 +117,6 @@ fn fly(
     });
     assert_eq!(station.heard.damaged, 0);
     (station.heard.frames.clone(), asked.collect())
-}
-
-fn bits(frame: &Frame) -> Vec<u32> {
-    let axes = [frame.angle, frame.rate, frame.disturbance, frame.reference, frame.unallocated_torque];
-    let motors = [frame.demand, frame.volts];
-    let axes = axes.iter().flat_map(|axis| [axis.pitch, axis.yaw]);
-    let motors = motors.iter().flat_map(|motor| [motor.main, motor.tail]);
-    axes.chain(motors).chain([frame.supply]).map(f32::to_bits).collect()
 }
 
 fn assert_equal(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) {
