@@ -1,12 +1,15 @@
 //! The tick of the board, as a list of verbs; the arithmetic is in the steps it calls.
 
+mod exchange;
 mod status;
+mod trying;
 
+pub use exchange::{Inputs, OperatorCommand, Outputs};
 pub use status::Status;
 
 use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
-use crate::drive::{Drive, Duty};
+use crate::drive::Drive;
 use crate::encoder::{CounterWidth, Encoder};
 use crate::estimator::{Belief, Estimate};
 use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
@@ -18,10 +21,9 @@ use crate::real::Real;
 use crate::reference::Reference;
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
-use crate::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
-use crate::trial::{Accepted, Candidate, NOTE_EVERY, Trial};
+use crate::telemetry::{Frame, Kept, Taken, TrialPhase};
+use crate::trial::{Accepted, NOTE_EVERY, Trial};
 use core::hint::cold_path;
-use serde::{Deserialize, Serialize};
 
 /// Counters in, duties out, once a tick.
 ///
@@ -55,73 +57,6 @@ pub struct ControlLoop {
     /// Number of the message that asked for the accepted controller, unless it is the record's.
     accepted_by: Option<Sequence>,
     trial: Option<Trial>,
-}
-
-/// What the board has read when a tick begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inputs<'a> {
-    /// What each encoder's counter shows.
-    pub counters: PerAxis<u32>,
-    /// \[V\] Supply of the amplifiers.
-    pub supply: f32,
-    /// The amplifier says that it limits the current.
-    pub current_limit: bool,
-    /// What else is wrong, as only the board can see.
-    pub senses: Conditions,
-    /// A message came since the last tick.
-    pub heard: bool,
-    /// The operator wants the motors off. Goes before `command`, which is forgotten.
-    pub disarm: bool,
-    /// The controller that an [`OperatorCommand::Try`] is about.
-    pub trial: Option<&'a Candidate>,
-    /// What else the operator wants, if anything new.
-    pub command: Option<&'a Numbered<OperatorCommand>>,
-}
-
-impl Inputs<'_> {
-    /// From a rig and a board with nothing wrong, a host there that wants nothing; `supply` in V.
-    #[must_use]
-    pub const fn sound(counters: PerAxis<u32>, supply: f32) -> Self {
-        Self {
-            counters,
-            supply,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
-            trial: None,
-            command: None,
-        }
-    }
-}
-
-/// What the operator may want of the loop.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum OperatorCommand {
-    /// To arm, to disarm, to clear a fault, to check the wiring.
-    Request(Request),
-    /// To be there, and to move on at that rate and acceleration until the next setpoint.
-    Setpoint(Reference<f32>),
-    /// To take where the rig lies now, motors off and still, for its rest pose.
-    Zero,
-    /// To try the controller that [`Inputs::trial`] then is, if its number is the command's: while armed, and
-    /// while none is tried.
-    Try,
-    /// To keep the controller that is being tried, once it flies alone.
-    Accept,
-    /// To go back to the accepted controller.
-    Revert,
-}
-
-/// What the board is to do when a tick ends.
-#[derive(Debug, Clone, Copy)]
-pub struct Outputs {
-    /// To be latched by the PWM at the next tick.
-    pub duty: PerMotor<Duty<f32>>,
-    /// The core's yes to turning motors: without it, the amplifiers are switched off.
-    pub enable: bool,
-    /// What the first-power check found, in the tick it ends.
-    pub verdict: Option<Verdict>,
 }
 
 impl ControlLoop {
@@ -223,70 +158,6 @@ impl ControlLoop {
             supply: self.supply,
             taken: self.taken,
             controller: self.in_force(),
-        }
-    }
-
-    /// Which controller decides, for telemetry.
-    fn in_force(&self) -> InForce {
-        let (trial, blend) = self.trial.as_ref().map_or((TrialPhase::None, 0), |t| (t.phase(), t.percent()));
-        InForce { accepted: self.kept, trial, blend }
-    }
-
-    /// A controller is being tried.
-    #[inline(always)]
-    pub fn is_trying(&self) -> bool {
-        self.trial.is_some()
-    }
-
-    /// What the conversation must know.
-    pub fn status(&self) -> Status {
-        Status {
-            armed: self.is_armed(),
-            flash_may_be_written: self.state().lets_flash_be_written(),
-            trial: self.trial.as_ref().map_or(TrialPhase::None, Trial::phase),
-            accepted: self.accepted_by,
-        }
-    }
-
-    /// Begins to try `candidate`, if `command` asks for it.
-    #[inline(never)]
-    fn begin_trying(
-        &mut self,
-        candidate: &Candidate,
-        command: Option<&Numbered<OperatorCommand>>,
-        measured: PerAxis<f32>,
-    ) {
-        let asked = command.is_some_and(|command| candidate.is_asked_for_by(command));
-        if asked && self.trial.is_none() && self.is_armed() {
-            Trial::begin(&mut self.trial, candidate, &self.accepted, measured);
-        }
-    }
-
-    /// A trial's part of the tick.
-    #[inline(never)]
-    fn go_on_trying(
-        &mut self,
-        belief: Belief<f32>,
-        reference: &Reference<f32>,
-        command: Option<&OperatorCommand>,
-    ) {
-        let Some(trial) = &mut self.trial else { return };
-        if command == Some(&OperatorCommand::Revert) {
-            trial.take_back();
-        }
-        let decision = trial.decide(&self.decision, belief, reference);
-        let over = decision.is_none() || trial.is_over();
-        if let Some(decision) = decision {
-            self.decision = decision;
-        }
-        if over {
-            self.trial = None;
-        } else if command == Some(&OperatorCommand::Accept)
-            && let Some(sequence) = trial.accept(&mut self.accepted)
-        {
-            self.kept = Kept::Unsaved;
-            self.accepted_by = Some(sequence);
-            self.trial = None;
         }
     }
 

@@ -3,7 +3,7 @@
 //! Two views of the helicopter, from the side (pitch) and from above (yaw), each with the reference as a
 //! ghost; beneath them the angles over time with a mark that runs along.
 
-use crate::{COLOURS, GRID, SOFT};
+use crate::{COLOURS, GRID, SOFT, is_no_xml};
 use plotters::style::RGBColor;
 use std::fmt::Write;
 use twinrotor_sim::flight::Row;
@@ -40,7 +40,7 @@ pub fn moving(title: &str, rows: &[Row]) -> String {
          font-family=\"system-ui,DejaVu Sans,sans-serif\" font-size=\"13\">\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n\
          <text x=\"16\" y=\"24\" font-size=\"15\">{}</text>\n",
-        title.replace('&', "&amp;").replace('<', "&lt;")
+        title.replace(is_no_xml, "\u{fffd}").replace('&', "&amp;").replace('<', "&lt;")
     );
     // Nose up is positive pitch; seen from above, positive yaw turns the nose to the left.
     let views: [View; 2] = [
@@ -182,8 +182,8 @@ mod tests {
         let fidelity = Fidelity::Ideal;
         let plan = Plan { rig: &PAPER, settings: &settings, scenario: &scenario, initial, fidelity, seed: 1 };
         let rows = flight::fly(&plan, Scalar::F32).unwrap().rows;
-        let drawn = moving("a < b & c", &rows);
-        assert!(drawn.contains("a &lt; b &amp; c") && drawn.ends_with("</svg>\n"));
+        let drawn = moving("a < b\u{1} & c", &rows);
+        assert!(drawn.contains("a &lt; b\u{fffd} &amp; c") && drawn.ends_with("</svg>\n"));
         assert_eq!(drawn.matches("dur=\"5.00s\"").count(), 5, "four bodies and a mark");
         // The last of the values of pitch, then of yaw: nose up and to the left are negative angles of SVG.
         let last = |k: usize| {

@@ -1,5 +1,6 @@
 //! Long figures and strange names.
 
+use super::line::MOST_POINTS;
 use super::*;
 
 fn figure(points: Vec<(f64, f64)>, stroke: Stroke) -> Figure {

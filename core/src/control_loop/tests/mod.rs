@@ -1,8 +1,11 @@
+mod first_power;
+mod flight;
 mod trial;
 
 use super::*;
 use crate::SAMPLE_TIME;
 use crate::bench::{Bench, Faults};
+use crate::drive::Duty;
 use crate::first_power::{Fault, SETTLE_TICKS};
 use crate::gains::{AxisGains, Gains};
 use crate::monitor::{CURRENT_TICKS, SUPPLY_TICKS};
@@ -11,150 +14,12 @@ use crate::pipeline::Settings;
 use crate::plant::RealPlant;
 use crate::plant::presets::{self, Rig};
 use crate::sequence::Sequence;
+use crate::trial::Candidate;
 use std::string::String;
 use std::vec::Vec;
 use std::{format, println};
 
-/// \[rad\]
-const DEGREE: f32 = core::f32::consts::PI / 180.0;
-
-/// Gains that every preset flies with, if not well.
-const SOFT: Gains<f64> =
-    Gains { pitch: AxisGains { position: 1.2, rate: 2.0 }, yaw: AxisGains { position: 1.0, rate: 1.5 } };
-
-/// The paper's own where the plant is as strong as the paper's, else [`SOFT`].
-fn gains(rig: &Rig) -> Gains<f64> {
-    if rig.plant.effectiveness.main_on_pitch == 0.022 { crate::gains::PAPER } else { SOFT }
-}
-
-/// Makes a fault in the cables.
-type Spoil = fn(&mut Faults);
-
-/// A simulated rig and its loop.
-struct Flight {
-    bench: Bench<f32>,
-    control: ControlLoop,
-    parameters: Parameters,
-    /// \[V\] What is read of the supply, if that is wrong.
-    supply: Option<f32>,
-    current_limit: bool,
-    senses: Conditions,
-    heard: bool,
-    disarm: bool,
-    candidate: Option<Candidate>,
-}
-
-impl Flight {
-    fn new(rig: &Rig, checked: bool) -> Self {
-        Self::with(rig, &Settings::paper(rig, gains(rig), SAMPLE_TIME), checked)
-    }
-
-    fn with(rig: &Rig, settings: &Settings<f64>, checked: bool) -> Self {
-        let mut parameters = Parameters::new(rig, settings);
-        parameters.checked = checked;
-        let bench = Bench::at_rest(rig, SAMPLE_TIME);
-        Self {
-            bench,
-            control: ControlLoop::new(
-                &parameters,
-                CounterWidth::Bits16,
-                bench.counters(),
-                Drive::new(rig.pwm_steps),
-                None,
-            ),
-            parameters,
-            supply: None,
-            current_limit: false,
-            senses: Conditions::NONE,
-            heard: true,
-            disarm: false,
-            candidate: None,
-        }
-    }
-
-    /// Zeroed, armed, on the way to the setpoint.
-    fn armed(rig: &Rig) -> Self {
-        Self::new(rig, true).arm()
-    }
-
-    fn arm(self) -> Self {
-        let mut flight = self;
-        flight.run(REST_TICKS + 1, None);
-        flight.tick(Some(OperatorCommand::Zero));
-        flight.tick(None);
-        flight.tick(None);
-        assert_eq!(flight.control.state(), ArmState::Ready);
-        flight.tick(Some(OperatorCommand::Request(Request::Arm)));
-        assert_eq!(flight.control.state(), ArmState::Armed);
-        flight
-    }
-
-    fn tick(&mut self, command: Option<OperatorCommand>) -> Outputs {
-        let trial = self.candidate.take();
-        let tried =
-            trial.map(|candidate| Numbered { sequence: candidate.sequence(), message: OperatorCommand::Try });
-        assert!(tried.is_none() || command.is_none(), "one command a tick");
-        self.tick_with(trial.as_ref(), tried.or(command.map(numbered)).as_ref())
-    }
-
-    fn tick_with(
-        &mut self,
-        trial: Option<&Candidate>,
-        command: Option<&Numbered<OperatorCommand>>,
-    ) -> Outputs {
-        let outputs = self.control.tick(&Inputs {
-            counters: self.bench.counters(),
-            supply: self.supply.unwrap_or(self.bench.supply),
-            current_limit: self.current_limit,
-            senses: self.senses,
-            heard: self.heard,
-            disarm: core::mem::take(&mut self.disarm),
-            trial,
-            command,
-        });
-        // It lies on a table until it is armed.
-        self.bench.set_table(self.control.state() != ArmState::Armed);
-        self.bench.tick(outputs.duty, outputs.enable);
-        outputs
-    }
-
-    /// A tick, and what telemetry says of it.
-    fn frame(&mut self, command: Option<OperatorCommand>) -> Frame {
-        self.tick(command);
-        self.control.frame()
-    }
-
-    /// Up to `ticks` ticks; ends with the first fault and gives its cause and tick.
-    fn run(&mut self, ticks: u32, command: Option<OperatorCommand>) -> Option<(Condition, u32)> {
-        let mut command = command;
-        for tick in 0..ticks {
-            self.tick(command.take());
-            if let ArmState::Fault(cause) = self.control.state() {
-                return Some((cause, tick));
-            }
-        }
-        None
-    }
-}
-
-fn numbered(message: OperatorCommand) -> Numbered<OperatorCommand> {
-    Numbered { sequence: Sequence(1), message }
-}
-
-/// Rest at these angles \[rad\].
-fn setpoint(pitch: f32, yaw: f32) -> Option<OperatorCommand> {
-    Some(OperatorCommand::Setpoint(Reference::at_rest(PerAxis::new(pitch, yaw))))
-}
-
-/// Every rig with the paper's law and with what its boards boot with.
-fn flown() -> impl Iterator<Item = (String, Rig, Settings<f64>)> {
-    presets::ALL.into_iter().flat_map(|(name, rig)| {
-        let tuned = crate::defaults::named(name).expect("a controller for every preset");
-        let laws = Settings::paper(&rig, gains(&rig), SAMPLE_TIME);
-        let tuned = Settings::new(&rig, tuned, SAMPLE_TIME);
-        [(format!("{name}, the paper's law"), rig, laws), (format!("{name}, tuned"), rig, tuned)]
-    })
-}
+use flight::*;
 
 /// No rule trips in normal flight, on any rig, through steps of half the yaw range.
 #[test]
@@ -488,69 +353,4 @@ fn after_arming_the_reference_leads_from_the_rest_pose_to_level() {
     assert!((first.reference.pitch - first.angle.pitch).abs() < 0.01);
     assert_eq!(flight.run(2_000, None), None);
     assert_eq!(flight.frame(None).reference, PerAxis::zero());
-}
-
-/// Ends the check and gives its verdict.
-fn check(flight: &mut Flight) -> Verdict {
-    flight.run(20, None);
-    let mut command = Some(OperatorCommand::Request(Request::Check));
-    for _ in 0..3 * SETTLE_TICKS {
-        if let Some(verdict) = flight.tick(command.take()).verdict {
-            flight.tick(None);
-            assert_eq!(flight.control.state(), ArmState::Disarmed);
-            return verdict;
-        }
-    }
-    panic!("the check does not end");
-}
-
-#[test]
-fn the_first_power_check_passes_every_rig_and_then_only_the_zero_is_missing() {
-    for (name, rig) in presets::ALL {
-        let mut flight = Flight::new(&rig, false);
-        assert_eq!(check(&mut flight), Verdict::Passed, "{name}");
-        let left: Vec<Condition> = flight.frame(None).conditions.iter().collect();
-        assert_eq!(left, [Condition::NotZeroed], "{name}");
-    }
-}
-
-#[test]
-fn the_first_power_check_names_what_is_connected_wrongly() {
-    let cases: [(Fault, Spoil); 7] = [
-        (Fault::MotorsSwapped, |faults| faults.motors_swapped = true),
-        (Fault::MainReversed, |faults| faults.motor_reversed.main = true),
-        (Fault::TailReversed, |faults| faults.motor_reversed.tail = true),
-        (Fault::BothReversed, |faults| faults.motor_reversed = PerMotor::both(true)),
-        (Fault::PitchReversed, |faults| faults.encoder_reversed.pitch = true),
-        (Fault::YawReversed, |faults| faults.encoder_reversed.yaw = true),
-        (Fault::EncodersSwapped, |faults| faults.encoders_swapped = true),
-    ];
-    for (name, rig) in presets::ALL {
-        for (fault, spoil) in cases {
-            let mut flight = Flight::new(&rig, false);
-            spoil(&mut flight.bench.faults);
-            assert_eq!(check(&mut flight), Verdict::Wrong(fault), "{name}");
-            assert!(flight.frame(None).conditions.contains(Condition::NotChecked));
-        }
-    }
-}
-
-/// Also where the other encoder alone shows the right directions.
-#[test]
-fn the_first_power_check_misses_an_encoder_that_is_not_connected() {
-    for (name, rig) in presets::ALL {
-        for stuck in [PerAxis::new(true, false), PerAxis::new(false, true)] {
-            let mut flight = Flight::new(&rig, false);
-            flight.bench.faults.encoder_stuck = stuck;
-            let verdict = check(&mut flight);
-            assert_ne!(verdict, Verdict::Passed, "{name} {stuck:?}");
-        }
-    }
-}
-
-#[test]
-fn the_first_power_check_misses_a_motor_that_is_not_connected() {
-    let mut flight = Flight::new(&presets::AERO, false);
-    flight.bench.faults.motor_open.tail = true;
-    assert_eq!(check(&mut flight), Verdict::NoMotion { motor: crate::first_power::Motor::Tail });
 }
