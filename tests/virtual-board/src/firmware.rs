@@ -227,8 +227,9 @@ impl Firmware {
         instructions
     }
 
-    /// Where what `from` reaches by direct calls and branches goes on to a panic, `from` itself included.
-    pub fn panics(&self, from: &str) -> Vec<u64> {
+    /// Where what `from` reaches by direct calls and branches goes on to a panic, `from` itself included, and
+    /// to which.
+    pub fn panics(&self, from: &str) -> Vec<(u64, &str)> {
         let mut places = Vec::new();
         let mut seen = BTreeSet::new();
         let mut waiting: Vec<u64> = self.address(from).into_iter().collect();
@@ -241,7 +242,7 @@ impl Firmware {
                     && let Some((callee, name, _)) = self.function_at(target)
                 {
                     if name.contains("panic") {
-                        places.push(at);
+                        places.push((at, name));
                     } else {
                         waiting.push(callee);
                     }
