@@ -39,9 +39,9 @@ fn no_step_of_the_tick_has_grown() {
 }
 
 /// But for a remainder by zero in the interrupt's own queues, which take one by their length, and that is
-/// never zero. The compiler may lead all of them to one call, and keeps panics that are told nothing but their
-/// place (a remainder, a sum, a borrow) under one name; none of an index, of an `unwrap` or with words is
-/// reached.
+/// never zero. The compiler may lead all of them to one call, and keeps panics that are told nothing but
+/// their place (a remainder, a sum, a borrow) under one name; none of an index, of an `unwrap` or with words
+/// is reached.
 #[test]
 fn nothing_in_the_tick_can_panic() {
     let firmware = firmware();

@@ -109,8 +109,12 @@ fn a_number_that_is_none_ends_a_check() {
 /// the verdict is what finds them. Every such fault on every preset is tried in the core's own tests.
 #[test]
 fn no_check_passes_with_an_encoder_that_is_stuck_or_reversed() {
-    let spoilt: [fn(&mut Helicopter); 2] =
-        [|heli| heli.faults().encoder_stuck.pitch = true, |heli| heli.faults().encoder_reversed.yaw = true];
+    let spoilt: [fn(&mut Helicopter); 4] = [
+        |heli| heli.faults().encoder_stuck.pitch = true,
+        |heli| heli.faults().encoder_reversed.yaw = true,
+        |heli| heli.faults().encoder_stuck.yaw = true,
+        |heli| heli.faults().encoder_reversed.pitch = true,
+    ];
     for (nth, spoil) in spoilt.into_iter().enumerate() {
         let (verdict, mut station) = check(spoil);
         assert_ne!(verdict, Verdict::Passed, "{nth}");
