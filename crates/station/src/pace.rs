@@ -1,34 +1,49 @@
 //! How fast a simulated board may run for whoever is at the other end of its line.
 
+use crate::client::ALIVE_EVERY;
 use std::time::Duration;
+use twinrotor::link::{Decoder, ToBoard};
+use twinrotor::sequence::Numbered;
 
-/// \[ticks\] A board that runs as fast as it can waits for its host when it has heard nothing for so long: a
-/// host that is there says so ten times a second.
-const LONGEST_ALONE: u64 = 150;
+/// \[ticks\] A board that runs as fast as it can waits for its host when it has heard nothing for so long. A
+/// host says that it is there when it has seen so many more, so that what is on the way to it does not grow.
+const LONGEST_ALONE: u64 = ALIVE_EVERY.as_millis() as u64;
 /// How long it waits at most: then the host is gone, and the board is to find out.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// \[ticks\] Most that a late board in real time makes good; what is beyond that is lost.
 const MOST_LATE: u64 = 100;
 
 /// When the next tick may be.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Pace {
     real: bool,
     begun: Duration,
     ticks: u64,
     /// When the host was heard last: in which tick, and by the clock.
     heard: (u64, Duration),
+    decoder: Decoder,
 }
 
 impl Pace {
     /// In real time, or as fast as it goes.
     #[must_use]
     pub const fn new(real: bool, now: Duration) -> Self {
-        Self { real, begun: now, ticks: 0, heard: (0, now) }
+        Self { real, begun: now, ticks: 0, heard: (0, now), decoder: Decoder::new() }
     }
 
-    /// The host has said something.
-    pub fn hear(&mut self, now: Duration) {
+    /// The host has said this. Setpoints come many times in a tenth of a second: they do not tell how much of
+    /// what the board said has been heard.
+    pub fn hear(&mut self, bytes: &[u8], now: Duration) {
+        for &byte in bytes {
+            match self.decoder.push::<Numbered<ToBoard>>(byte) {
+                None | Some(Ok(Numbered { message: ToBoard::Setpoint(_), .. })) => {}
+                Some(_) => self.meet(now),
+            }
+        }
+    }
+
+    /// A host has come.
+    pub fn meet(&mut self, now: Duration) {
         self.heard = (self.ticks, now);
     }
 
@@ -53,6 +68,10 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use twinrotor::axes::PerAxis;
+    use twinrotor::link::{MAX_FRAME, encode};
+    use twinrotor::reference::Reference;
+    use twinrotor::sequence::Sequence;
 
     const fn ms(milliseconds: u64) -> Duration {
         Duration::from_millis(milliseconds)
@@ -71,10 +90,16 @@ mod tests {
     fn as_fast_as_it_goes_waits_for_its_host_and_gives_it_up() {
         let mut pace = Pace::new(false, ms(0));
         let run = |pace: &mut Pace, at: u64| (0..10_000).map(|_| pace.due(ms(at))).sum::<u64>();
-        assert_eq!(run(&mut pace, 1), 150);
+        let say = |pace: &mut Pace, message: ToBoard| {
+            let mut buffer = [0; MAX_FRAME];
+            pace.hear(encode(&message.numbered(Sequence(1)), &mut buffer).unwrap(), ms(9_000));
+        };
+        assert_eq!(run(&mut pace, 1), 100);
         assert_eq!(run(&mut pace, 9_000), 0);
-        pace.hear(ms(9_000));
-        assert_eq!(run(&mut pace, 9_001), 150);
+        say(&mut pace, ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
+        assert_eq!(run(&mut pace, 9_000), 0);
+        say(&mut pace, ToBoard::Alive);
+        assert_eq!(run(&mut pace, 9_001), 100);
         assert_eq!(run(&mut pace, 19_002), 10_000);
     }
 }

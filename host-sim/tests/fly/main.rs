@@ -186,10 +186,11 @@ mod unix {
                 .spawn()
                 .unwrap();
             let mut lines = BufReader::new(program.stdout.take().unwrap());
-            let mut line = String::new();
-            while !line.contains("flying") {
-                line.clear();
-                assert!(lines.read_line(&mut line).unwrap() > 0, "{signal}: it ended");
+            let mut shown = String::new();
+            while !shown.contains("flying") {
+                if lines.read_line(&mut shown).unwrap() == 0 {
+                    panic!("{signal}: it ended\n{shown}{}", told(&program.wait_with_output().unwrap()));
+                }
             }
             for _ in 0..2 {
                 let process = program.id().to_string();

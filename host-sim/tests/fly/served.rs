@@ -162,7 +162,7 @@ fn serve<W: Write, C: FnOnce()>(
             line = None;
         }
         if !bytes.is_empty() {
-            pace.hear(begun.elapsed());
+            pace.hear(&bytes, begun.elapsed());
         }
         if let (Mishap::Silent | Mishap::Echo | Mishap::Old, Some((said, _))) = (mishap, &mut line) {
             // COBS of version 2, variant 4 (saved) and its CRC-32.

@@ -108,7 +108,7 @@ impl Server {
             if self.program.is_none() && stream.set_nonblocking(true).is_ok() {
                 let _ = stream.set_nodelay(true);
                 self.program = Some(stream);
-                self.pace.hear(self.begun.elapsed());
+                self.pace.meet(self.begun.elapsed());
             }
         }
     }
@@ -126,7 +126,7 @@ impl Server {
             match program.read(&mut bytes) {
                 Ok(count) if count > 0 => {
                     self.machine.say(&bytes[..count]);
-                    self.pace.hear(self.begun.elapsed());
+                    self.pace.hear(&bytes[..count], self.begun.elapsed());
                 }
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
                     return;

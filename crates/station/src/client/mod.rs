@@ -23,6 +23,9 @@ pub const ALIVE_EVERY: Duration = Duration::from_millis(100);
 /// How long a board may take for an answer, an erase of .5 s included.
 const PATIENCE: Duration = Duration::from_secs(3);
 
+/// When what is not answered is asked once more: an answer, too, can be lost on a line.
+const ASK_AGAIN: Duration = Duration::from_secs(1);
+
 /// Samples that a board takes in one go: its buffer has 512 bytes.
 const AT_ONCE: usize = 8;
 
@@ -70,8 +73,30 @@ struct Pending {
     question: Question,
     /// Of a record: what came back so far.
     replayed: Vec<Replayed>,
+    /// It is kept; what is missing is its reading back.
+    saved: bool,
+    again: Duration,
     /// When the board has been silent too long.
     deadline: Duration,
+}
+
+impl Pending {
+    fn new(question: Question, now: Duration) -> Self {
+        let (again, deadline) = (now + ASK_AGAIN, now + PATIENCE);
+        Self { question, replayed: Vec::new(), saved: false, again, deadline }
+    }
+
+    /// What asks it. Of a record each sample counts, and is said once.
+    fn message(&self) -> Option<ToBoard> {
+        match &self.question {
+            Question::Identify => Some(ToBoard::Identify),
+            Question::Read => Some(ToBoard::ReadParameters),
+            Question::Write(_) | Question::Save if self.saved => Some(ToBoard::ReadParameters),
+            Question::Write(parameters) => Some(ToBoard::WriteParameters(Nonce::default(), **parameters)),
+            Question::Save => Some(ToBoard::Save(Nonce::default())),
+            Question::Replay(_) => None,
+        }
+    }
 }
 
 /// An operator's program with a board at the other end. Time is any that does not run backwards.
@@ -168,20 +193,14 @@ impl Client {
 
     /// Asks a question; one that is not answered yet is given up.
     pub fn ask(&mut self, question: Question, now: Duration) {
-        let message = match &question {
-            Question::Identify => Some(ToBoard::Identify),
-            Question::Read => Some(ToBoard::ReadParameters),
-            Question::Write(parameters) => Some(ToBoard::WriteParameters(Nonce::default(), **parameters)),
-            Question::Replay(samples) => {
-                self.send_samples(samples);
-                None
-            }
-            Question::Save => Some(ToBoard::Save(Nonce::default())),
-        };
-        if let Some(message) = message {
+        if let Question::Replay(samples) = &question {
+            self.send_samples(samples);
+        }
+        let pending = Pending::new(question, now);
+        if let Some(message) = pending.message() {
             self.send(&message);
         }
-        self.pending = Some(Pending { question, replayed: Vec::new(), deadline: now + PATIENCE });
+        self.pending = Some(pending);
     }
 
     fn send_samples(&mut self, samples: &[Sample]) {
@@ -221,6 +240,12 @@ impl Client {
             }
             self.alive_at = now + ALIVE_EVERY;
         }
+        if let Some(pending) = self.pending.as_mut().filter(|pending| now >= pending.again) {
+            pending.again = now + ASK_AGAIN;
+            if let Some(message) = pending.message() {
+                self.send(&message);
+            }
+        }
         self.pending.take_if(|pending| now >= pending.deadline).map(|_| {
             Event::Answered(Err(Error::Failed(format!(
                 "the board did not answer within {} s: is it powered, is this its port, does it run this \
@@ -232,7 +257,8 @@ impl Client {
 
     /// When [`Client::poll`] has something to do next, for all that it knows now.
     pub fn due(&self) -> Duration {
-        self.pending.as_ref().map_or(self.alive_at, |pending| pending.deadline.min(self.alive_at))
+        let due = self.pending.as_ref().map(|pending| pending.again.min(pending.deadline));
+        due.map_or(self.alive_at, |due| due.min(self.alive_at))
     }
 
     /// What is to be sent; it is forgotten here.
@@ -249,7 +275,8 @@ impl Client {
             }
             (Question::Write(_) | Question::Save, ToHost::Saved) => {
                 self.send(&ToBoard::ReadParameters);
-                pending.deadline = now + PATIENCE;
+                pending.saved = true;
+                (pending.again, pending.deadline) = (now + ASK_AGAIN, now + PATIENCE);
             }
             (Question::Write(wanted), ToHost::Parameters(kept)) => {
                 return Some(if **wanted == *kept {

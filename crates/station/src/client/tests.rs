@@ -42,6 +42,8 @@ struct Wire {
     refuses: bool,
     forgets: bool,
     version: u16,
+    /// Which of its messages from now on does not arrive.
+    loses: Option<u32>,
     out: VecDeque<u8>,
 }
 
@@ -56,6 +58,7 @@ impl Default for Wire {
             refuses: false,
             forgets: false,
             version: parameters::VERSION,
+            loses: None,
             out: VecDeque::new(),
         }
     }
@@ -63,6 +66,11 @@ impl Default for Wire {
 
 impl Wire {
     fn say(&mut self, message: &ToHost) {
+        let lost = self.loses == Some(0);
+        self.loses = self.loses.and_then(|more| more.checked_sub(1));
+        if lost {
+            return;
+        }
         self.out.extend([7, 0]);
         for message in [&ToHost::Frame(Frame::default()), message] {
             self.out.extend(link::encode(message, &mut [0; MAX_FRAME]).unwrap());
@@ -135,6 +143,18 @@ fn a_board_that_forgets_refuses_or_speaks_another_version_is_told() {
     assert!(error.to_string().contains("disarm"), "{error}");
     let error = ask(&mut Wire { version: 99, ..Wire::default() }, Question::Identify).unwrap_err();
     assert!(error.to_string().contains("version 99") && !error.is_input(), "{error}");
+}
+
+/// Of all that a board says, each message in turn is lost.
+#[test]
+fn what_is_lost_on_the_line_is_asked_for_again() {
+    let other = || Question::Write(Box::new(Parameters { checked: true, ..parameters() }));
+    for question in [|| Question::Identify, || Question::Read, other as fn() -> Question] {
+        for lost in 0..4 {
+            let mut wire = Wire { loses: Some(lost), ..Wire::default() };
+            assert!(ask(&mut wire, question()).is_ok(), "{lost}");
+        }
+    }
 }
 
 #[test]

@@ -90,19 +90,20 @@ impl Session {
                 self.step("cleared", "the fault is cleared");
                 self.read();
             }
-            Phase::Checking { begun } => {
-                let state = frame.state;
-                if state == ArmState::Checking {
-                    *begun = true;
-                } else if *begun && let ArmState::Fault(cause) = state {
+            Phase::Checking { begun, over } => match frame.state {
+                ArmState::Checking => *begun = true,
+                ArmState::Fault(cause) if *begun => {
                     self.end(Ending::Stopped(format!(
                         "a fault stopped the first-power check: {}",
                         words::condition(cause)
                     )));
                 }
-            }
-            Phase::Zeroing { sequence, .. } => {
-                let taken = frame.taken.sequence == *sequence;
+                _ if *begun && over.is_none() => *over = Some(self.clock.now() + PROMPT),
+                _ => {}
+            },
+            Phase::Zeroing { first, .. } => {
+                // Any of them: when word of one comes late, the next is on its way already.
+                let taken = !first.is_newer_than(frame.taken.sequence);
                 if taken && !frame.conditions.contains(Condition::NotZeroed) && self.lies_at_rest(frame) {
                     self.step("zeroed", "where the rig lies is its rest pose");
                     self.phase = Phase::Waiting { until: self.clock.now() + PROMPT };
@@ -208,7 +209,7 @@ impl Session {
     fn check(&mut self) {
         self.step("checking", "first-power check: each motor in turn pushes the rig a little");
         self.command(OperatorCommand::Request(Request::Check));
-        self.phase = Phase::Checking { begun: false };
+        self.phase = Phase::Checking { begun: false, over: None };
     }
 
     pub(super) fn checked(&mut self, verdict: Verdict) {
@@ -226,8 +227,8 @@ impl Session {
 
     fn zero(&mut self) {
         let now = self.clock.now();
-        let sequence = self.command(OperatorCommand::Zero);
-        self.phase = Phase::Zeroing { sequence, again: now + ZERO_EVERY, until: now + REST };
+        let first = self.command(OperatorCommand::Zero);
+        self.phase = Phase::Zeroing { first, again: now + ZERO_EVERY, until: now + REST };
     }
 
     /// Its encoders show the rest pose, to a count.
@@ -261,16 +262,21 @@ impl Session {
                 self.trouble(format!("the rig did not come to rest within {} s", REST.as_secs()));
             }
             Phase::Zeroing { again, .. } if now >= *again => {
-                let until = *again + ZERO_EVERY;
-                let sequence = self.command(OperatorCommand::Zero);
-                if let Phase::Zeroing { sequence: last, again, .. } = &mut self.phase {
-                    (*last, *again) = (sequence, until);
+                *again += ZERO_EVERY;
+                self.command(OperatorCommand::Zero);
+            }
+            // It is over, and its verdict was lost on the line.
+            Phase::Checking { over: Some(until), .. } if now >= *until => {
+                if frame.conditions.contains(Condition::NotChecked) {
+                    self.trouble("the board did not say what its first-power check found");
+                } else {
+                    self.checked(Verdict::Passed);
                 }
             }
             Phase::Waiting { until } | Phase::Arming { until } if now >= *until => {
                 self.trouble(format!("the board cannot be armed: {}", wrong()));
             }
-            Phase::Checking { begun: false } if frame.conditions.contains(Condition::EmergencyStop) => {
+            Phase::Checking { begun: false, .. } if frame.conditions.contains(Condition::EmergencyStop) => {
                 self.trouble(format!("the first-power check does not begin: {}", wrong()));
             }
             _ => {}

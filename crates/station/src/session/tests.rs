@@ -4,6 +4,7 @@ use crate::again::again;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::defaults;
+use twinrotor::link::{Decoder, MAX_FRAME, encode};
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, Parameters};
@@ -299,6 +300,32 @@ fn a_board_that_is_reset_in_flight_ends_it() {
     let end = desk.end();
     assert!(why(&end).contains("was reset") && matches!(end.ending, Ending::Stopped(_)), "{end:?}");
     assert!(end.motors == Motors::SeenOff && !desk.turns());
+}
+
+/// Word of one `Zero` comes when the next is on its way already.
+#[test]
+fn what_the_board_says_may_come_late() {
+    let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2));
+    let mut late = VecDeque::new();
+    desk.line = Box::new(move |_, bytes| {
+        late.push_back(bytes);
+        if late.len() > 700 { late.pop_front().unwrap_or_default() } else { Vec::new() }
+    });
+    assert_eq!(desk.end(), End { ending: Ending::Flown, motors: Motors::SeenOff }, "{:?}", desk.steps());
+}
+
+/// A verdict is said once: whether it passed is in every frame.
+#[test]
+fn a_verdict_that_is_lost_is_known_from_the_frames() {
+    let mut desk = Desk::new(stored(&AERO2, false), plan(&AERO2));
+    let mut decoder = Decoder::new();
+    desk.line = Box::new(move |_, bytes| {
+        let messages = bytes.into_iter().filter_map(|byte| decoder.push::<ToHost>(byte)?.ok());
+        let heard = messages.filter(|message| !matches!(message, ToHost::Verdict(_)));
+        heard.flat_map(|message| encode(&message, &mut [0; MAX_FRAME]).unwrap().to_vec()).collect()
+    });
+    assert_eq!(desk.end(), End { ending: Ending::Flown, motors: Motors::SeenOff }, "{:?}", desk.steps());
+    assert!(desk.steps().contains(&"checked"));
 }
 
 #[test]
