@@ -1,13 +1,12 @@
 //! How fast a simulated board may run for whoever is at the other end of its line.
 
-use crate::client::ALIVE_EVERY;
 use std::time::Duration;
 use twinrotor::link::{Decoder, ToBoard};
 use twinrotor::sequence::Numbered;
 
 /// \[ticks\] A board that runs as fast as it can waits for its host when it has heard nothing for so long. A
 /// host says that it is there when it has seen so many more, so that what is on the way to it does not grow.
-const LONGEST_ALONE: u64 = ALIVE_EVERY.as_millis() as u64;
+const LONGEST_ALONE: u64 = 100;
 /// How long it waits at most: then the host is gone, and the board is to find out.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// \[ticks\] Most that a late board in real time makes good; what is beyond that is lost.
@@ -68,6 +67,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::client::ALIVE_EVERY;
     use twinrotor::axes::PerAxis;
     use twinrotor::link::{MAX_FRAME, encode};
     use twinrotor::reference::Reference;
@@ -94,6 +94,7 @@ mod tests {
             let mut buffer = [0; MAX_FRAME];
             pace.hear(encode(&message.numbered(Sequence(1)), &mut buffer).unwrap(), ms(9_000));
         };
+        assert_eq!(ms(LONGEST_ALONE), ALIVE_EVERY);
         assert_eq!(run(&mut pace, 1), 100);
         assert_eq!(run(&mut pace, 9_000), 0);
         say(&mut pace, ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
