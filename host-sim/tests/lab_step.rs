@@ -16,6 +16,7 @@ fn flown(rig: &Rig, scalar: Scalar, seed: u64) -> Flight {
     let scenario = files::scenario(&format!("{folder}/scenarios/step-30-45.toml")).unwrap();
     let plan = Plan {
         rig,
+        truth: rig,
         settings: &settings,
         scenario: &scenario,
         initial: PerAxis::both(0.0),

@@ -73,6 +73,7 @@ impl Setup {
     pub fn plan(&self, fidelity: Fidelity, seed: u64) -> Plan<'_> {
         Plan {
             rig: &self.rig,
+            truth: &self.rig,
             settings: &self.settings,
             scenario: &self.scenario,
             initial: PerAxis::new(0.0, 0.0),

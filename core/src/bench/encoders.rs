@@ -1,5 +1,6 @@
 //! What the encoders of a simulated rig show of its true angles.
 
+use super::Wear;
 use crate::axes::PerAxis;
 use crate::plant::presets::Rig;
 use crate::real::Real;
@@ -15,6 +16,11 @@ pub struct Hardware {
     pub pwm_steps: u32,
     /// \[V\] Supply of the amplifiers.
     pub supply: f64,
+    /// Counts a revolution as the controller has them: another number than the encoder's misreads every
+    /// angle.
+    pub believed_counts: PerAxis<u32>,
+    /// What is worn.
+    pub wear: Wear,
 }
 
 impl Hardware {
@@ -25,6 +31,22 @@ impl Hardware {
             encoder_phase,
             pwm_steps: rig.pwm_steps,
             supply: rig.volts_limit.main.max(rig.volts_limit.tail),
+            believed_counts: rig.encoder_counts,
+            wear: Wear::default(),
+        }
+    }
+
+    /// The same of a rig that is taken for `belief`: its board reckons with the counts of that one, and its
+    /// amplifiers give at most `truth`'s volts.
+    #[must_use]
+    pub fn taken_for(self, belief: &Rig, truth: &Rig) -> Self {
+        let less = truth.volts_limit.main < belief.volts_limit.main
+            || truth.volts_limit.tail < belief.volts_limit.tail;
+        Self {
+            believed_counts: belief.encoder_counts,
+            pwm_steps: belief.pwm_steps,
+            wear: Wear { limit: if less { Some(truth.volts_limit) } else { self.wear.limit }, ..self.wear },
+            ..self
         }
     }
 }

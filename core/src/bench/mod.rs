@@ -7,9 +7,11 @@
 
 mod encoders;
 mod faults;
+mod wear;
 
 pub use encoders::{Encoders, Hardware};
 pub use faults::Faults;
+pub use wear::{LONGEST_DELAY, Wear, Worn};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};
@@ -39,6 +41,8 @@ pub struct Bench<R> {
     pub disturbance: PerMotor<R>,
     /// What is wrong with the cables.
     pub faults: Faults,
+    /// What is worn.
+    pub worn: Worn<R>,
 }
 
 impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
@@ -47,6 +51,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
         let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
         Self {
             position: encoders.counts(plant.state().angle).map(to_integer),
+            worn: Worn::new(&hardware.wear, plant.state().angle),
             plant,
             encoders,
             counted: PerAxis::both(0),
@@ -83,7 +88,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     pub fn hold(&mut self) {
         self.held = true;
         self.plant.place(State::at_rest(self.plant.state().angle));
-        self.plant.stop_rotors();
+        self.plant.set_rotors(PerMotor::zero());
     }
 
     /// The same rig around another plant.
@@ -92,9 +97,14 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
         Self { plant, ..self }
     }
 
-    /// Its body becomes that of these constants, as with a weight hung on or taken off.
-    pub fn become_body(&mut self, parameters: &PlantParameters<R>) {
-        self.plant.become_body(parameters);
+    /// Its plant becomes that of these constants, as with a weight hung on or taken off.
+    pub fn become_plant(&mut self, parameters: &PlantParameters<R>) {
+        self.plant.become_plant(parameters);
+    }
+
+    /// From now on `torque` \[N m\] turns the body from outside.
+    pub fn set_load(&mut self, torque: PerAxis<R>) {
+        self.plant.set_load(torque);
     }
 
     /// Where the rig truly is.
@@ -114,27 +124,30 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
 
     /// What counters of 16 bits show.
     pub fn counters(&self) -> PerAxis<u32> {
-        self.counted.map(|count| count.cast_unsigned() & 0xFFFF)
+        let noise = self.worn.shown(PerAxis::zero()).map(to_integer);
+        self.counted.zip(noise, |count, noise| count.wrapping_add(noise).cast_unsigned() & 0xFFFF)
     }
 
-    /// A tick passes with `volts` \[V\] from the amplifiers, which are `enabled` or not.
-    pub fn advance(&mut self, volts: PerMotor<R>, enabled: bool) {
+    /// A tick passes with `volts` \[V\] from the amplifiers, which are `enabled` or not. Answers what turned
+    /// motors that are wired rightly.
+    pub fn advance(&mut self, volts: PerMotor<R>, enabled: bool) -> PerMotor<R> {
         self.held &= !enabled;
+        let driven = self.worn.driven(volts);
         if !self.held {
-            self.plant.advance(self.faults.motor_volts(volts), self.disturbance);
+            self.plant.advance(self.faults.motor_volts(driven), self.disturbance);
             self.rest_on_stop();
         }
         self.count();
+        driven
     }
 
     /// A tick passes at whose beginning the PWM latches the duties of the tick before: `duty` acts from the
-    /// next one on. Amplifiers that are not `enabled` give nothing at once. Answers the volts \[V\] that the
-    /// amplifiers gave.
+    /// next one on. Amplifiers that are not `enabled` give nothing at once. Answers what
+    /// [`advance`](Bench::advance) does.
     pub fn tick(&mut self, duty: PerMotor<Duty<R>>, enabled: bool) -> PerMotor<R> {
         let volts = if enabled { self.latched } else { PerMotor::zero() };
         self.latched = self.drive.volts(duty, self.supply);
-        self.advance(volts, enabled);
-        volts
+        self.advance(volts, enabled)
     }
 
     fn rest_on_stop(&mut self) {
@@ -148,7 +161,8 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     }
 
     fn count(&mut self) {
-        let position = self.encoders.counts(self.plant.state().angle).map(to_integer);
+        let seen = self.worn.seen(self.plant.state().angle);
+        let position = self.encoders.counts(seen).map(to_integer);
         let turned = position.zip(self.position, i32::wrapping_sub);
         self.position = position;
         self.counted = self.counted.zip(self.faults.counted(turned), i32::wrapping_add);

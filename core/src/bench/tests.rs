@@ -35,7 +35,7 @@ fn a_phase_moves_the_edges_between_counts() {
 #[test]
 fn a_heavy_nose_rests_on_its_stop_and_a_light_push_does_not_lift_it() {
     let mut bench = Bench::<f64>::at_rest(&presets::HELI, SAMPLE_TIME);
-    (0..3_000).for_each(|_| bench.advance(PerMotor::new(2.0, 0.0), true));
+    (0..3_000).for_each(|_| _ = bench.advance(PerMotor::new(2.0, 0.0), true));
     let state = bench.state();
     assert_eq!(state.angle.pitch, presets::HELI.rest_angle.pitch);
     assert_eq!(state.rate.pitch, 0.0);
@@ -48,21 +48,21 @@ fn a_table_bears_a_heavy_nose_until_it_is_taken_away() {
     assert!(rig.plant.center_of_mass > 0.0 && rig.rest_angle.pitch >= 0.0);
     let mut bench = Bench::<f64>::at_rest(&rig, SAMPLE_TIME);
     bench.set_table(true);
-    (0..500).for_each(|_| bench.advance(PerMotor::zero(), false));
+    (0..500).for_each(|_| _ = bench.advance(PerMotor::zero(), false));
     assert_eq!(bench.state().angle.pitch, rig.rest_angle.pitch);
     bench.set_table(false);
-    (0..500).for_each(|_| bench.advance(PerMotor::zero(), false));
+    (0..500).for_each(|_| _ = bench.advance(PerMotor::zero(), false));
     assert!(bench.state().angle.pitch < rig.rest_angle.pitch - 0.1);
 }
 
 #[test]
 fn who_holds_the_rig_lets_go_when_the_amplifiers_are_switched_on() {
     let mut bench = Bench::<f64>::at_rest(&presets::PAPER, SAMPLE_TIME);
-    (0..300).for_each(|_| bench.advance(PerMotor::new(20.0, 0.0), true));
+    (0..300).for_each(|_| _ = bench.advance(PerMotor::new(20.0, 0.0), true));
     bench.hold();
     let caught = bench.state();
     assert_eq!(caught.rate, PerAxis::zero());
-    (0..300).for_each(|_| bench.advance(PerMotor::new(20.0, 0.0), false));
+    (0..300).for_each(|_| _ = bench.advance(PerMotor::new(20.0, 0.0), false));
     assert_eq!(bench.state(), caught);
     bench.advance(PerMotor::new(20.0, 0.0), true);
     assert_ne!(bench.state(), caught);

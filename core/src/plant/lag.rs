@@ -47,6 +47,11 @@ impl<R: Real> RotorTorque<R> {
         Self { linear: plant.effectiveness, quadratic: plant.quadratic_effectiveness, reaction }
     }
 
+    /// Thrust becomes that of these constants; the reaction stays.
+    pub(super) fn become_plant(&mut self, plant: &PlantParameters<R>) {
+        *self = Self::new(plant, self.reaction);
+    }
+
     /// Each number through `f`, in a fixed order.
     pub(super) fn map<U>(self, mut f: impl FnMut(R) -> U) -> RotorTorque<U> {
         RotorTorque {

@@ -30,6 +30,9 @@ pub struct Plant<R, T> {
     body: RigidBody<R>,
     coulomb_friction: PerAxis<R>,
     has_friction: bool,
+    /// \[N m\] What turns the body from outside.
+    load: PerAxis<R>,
+    has_load: bool,
     rotors: T,
     /// \[s\] Length of a step.
     step: R,
@@ -50,12 +53,12 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
 
     /// As [`Plant::new`], from constants that may differ from lane to lane and rotors made for them.
     pub fn assemble(parameters: PlantParameters<R>, rotors: T, state: State<R>, step: f64) -> Self {
-        let friction = parameters.coulomb_friction;
-        let present = R::zero().lt(friction.pitch) | R::zero().lt(friction.yaw);
         Self {
             body: RigidBody::new(&parameters),
-            coulomb_friction: friction,
-            has_friction: present.any(),
+            coulomb_friction: parameters.coulomb_friction,
+            has_friction: has_friction(&parameters),
+            load: PerAxis::zero(),
+            has_load: false,
             rotors,
             step: R::from_f64(step),
             angle: state.angle.map(Compensated::new),
@@ -75,9 +78,20 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         self.rate = state.rate.map(Compensated::new);
     }
 
-    /// Its body becomes that of these constants, as with a weight hung on; its pose, rates and rotors stay.
-    pub fn become_body(&mut self, parameters: &PlantParameters<R>) {
+    /// It becomes that of these constants, as with a weight hung on or a propeller chipped; its pose, its
+    /// rates, the volts in effect and the rotors' lags stay.
+    pub fn become_plant(&mut self, parameters: &PlantParameters<R>) {
         self.body = RigidBody::new(parameters);
+        self.coulomb_friction = parameters.coulomb_friction;
+        self.has_friction = has_friction(parameters);
+        self.rotors.become_plant(parameters);
+    }
+
+    /// From now on `torque` \[N m\] turns the body from outside, as a hand or a cable does.
+    pub fn set_load(&mut self, torque: PerAxis<R>) {
+        self.load = torque;
+        let none = |x: R| x.le(R::zero()) & R::zero().le(x);
+        self.has_load = !(none(torque.pitch) & none(torque.yaw)).all();
     }
 
     /// One step with `volts` held and `disturbance` \[V\] added to the volts in effect.
@@ -109,6 +123,7 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
     #[inline(always)]
     fn accel(&self, state: &State<R>, torque: PerAxis<R>) -> PerAxis<R> {
         let torque = if self.has_friction { torque.minus(self.friction(state.rate)) } else { torque };
+        let torque = if self.has_load { torque.plus(self.load) } else { torque };
         self.body.at(state).accel(torque)
     }
 
@@ -124,10 +139,15 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
 }
 
 impl<R: Real> RealPlant<R> {
-    /// Stops its rotors at once.
-    pub fn stop_rotors(&mut self) {
-        self.rotors.volts = PerMotor::zero();
+    /// Its rotors turn at once as they do when `volts` \[V\] have been applied for long.
+    pub fn set_rotors(&mut self, volts: PerMotor<R>) {
+        self.rotors.volts = volts;
     }
+}
+
+fn has_friction<R: Real>(parameters: &PlantParameters<R>) -> bool {
+    let friction = parameters.coulomb_friction;
+    (R::zero().lt(friction.pitch) | R::zero().lt(friction.yaw)).any()
 }
 
 /// `state` moved on for `time` at the given rates and accelerations.

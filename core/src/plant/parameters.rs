@@ -109,7 +109,28 @@ pub struct PlantParameters<R> {
     pub coulomb_friction: PerAxis<R>,
 }
 
+/// \[kg m\] m L of a body whose weight is balanced on the pivot: a microgram at a metre.
+const LEAST_MOMENT: f64 = 1e-9;
+/// \[kg m²\] m L² of a body all of whose weight is at the pivot.
+const LEAST_SQUARE: f64 = 1e-12;
+
 impl<R: Real> PlantParameters<R> {
+    /// The same helicopter whose rotors give this part of their thrust, 1 for all of it: a chipped propeller,
+    /// a tired motor.
+    pub fn with_thrust(&self, part: PerMotor<R>) -> Self {
+        let of = |k: Effectiveness<R>| Effectiveness {
+            main_on_pitch: k.main_on_pitch * part.main,
+            tail_on_pitch: k.tail_on_pitch * part.tail,
+            main_on_yaw: k.main_on_yaw * part.main,
+            tail_on_yaw: k.tail_on_yaw * part.tail,
+        };
+        Self {
+            effectiveness: of(self.effectiveness),
+            quadratic_effectiveness: of(self.quadratic_effectiveness),
+            ..*self
+        }
+    }
+
     /// Torque for each volt at `volts`, on the chord of the thrust curve: what a linear law takes for K.
     #[inline(always)]
     pub fn effectiveness_at(&self, volts: R) -> Effectiveness<R> {
@@ -131,10 +152,15 @@ impl<R: Real> PlantParameters<R> {
     }
 
     /// The same helicopter with a weight of `mass` \[kg\] hung on `arm` \[m\] in front of the pivot: as eqs
-    /// (1)-(2) have only one point mass m at L, the one with both moments, m L and m L².
+    /// (1)-(2) have only one point mass m at L, the one with both moments, m L and m L². A negative `arm` is
+    /// behind the pivot.
     pub fn with_weight(&self, mass: R, arm: R) -> Self {
         let moment = self.mass * self.center_of_mass + mass * arm;
+        // What balances on the pivot keeps a moment that nobody could measure, or L would be infinite.
+        let balanced = moment.abs().lt(R::from_f64(LEAST_MOMENT));
+        let moment = R::select(balanced, R::from_f64(LEAST_MOMENT), moment);
         let square = self.mass * self.center_of_mass * self.center_of_mass + mass * arm * arm;
+        let square = square.max(R::from_f64(LEAST_SQUARE));
         Self { mass: moment * moment / square, center_of_mass: square / moment, ..*self }
     }
 

@@ -20,6 +20,9 @@ pub trait Thrust<R: Real> {
     where
         Self: Sized;
 
+    /// They push as rotors of these constants do; what they do stays, and so do their lags.
+    fn become_plant(&mut self, parameters: &PlantParameters<R>);
+
     /// The torque over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts
     /// in effect, after the lag.
     fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R>;
@@ -34,6 +37,10 @@ pub struct IdealRotors<R> {
 impl<R: Real> Thrust<R> for IdealRotors<R> {
     fn new(parameters: &PlantParameters<f64>, _step: f64) -> Self {
         Self { effectiveness: parameters.effectiveness.map(R::from_f64) }
+    }
+
+    fn become_plant(&mut self, parameters: &PlantParameters<R>) {
+        self.effectiveness = parameters.effectiveness;
     }
 
     #[inline(always)]
@@ -81,6 +88,10 @@ impl<R: Real> Thrust<R> for LaggedRotors<R> {
             half_decay: tau.map(|tau| R::from_f64(decay(0.5 * step, tau))),
             volts: PerMotor::zero(),
         }
+    }
+
+    fn become_plant(&mut self, parameters: &PlantParameters<R>) {
+        self.torque.become_plant(parameters);
     }
 
     #[inline(always)]

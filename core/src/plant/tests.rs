@@ -133,3 +133,50 @@ proptest! {
         }
     }
 }
+
+/// τ = I α about an axis without gravity, spring or friction.
+#[test]
+fn a_torque_from_outside_turns_the_body() {
+    let p = free(&presets::PAPER, 0.0);
+    let mut plant = IdealPlant::<f64>::new(&p, State::default(), 1e-3);
+    plant.set_load(PerAxis::new(0.02, -0.03));
+    (0..1_000).for_each(|_| plant.advance(PerMotor::zero(), PerMotor::zero()));
+    let rate = plant.state().rate;
+    assert!((rate.pitch - 0.02 / p.inertia.pitch).abs() < 1e-9, "{rate:?}");
+    assert!((rate.yaw + 0.03 / p.inertia.yaw).abs() < 1e-9, "{rate:?}");
+    plant.set_load(PerAxis::zero());
+    plant.advance(PerMotor::zero(), PerMotor::zero());
+    assert_eq!(plant.state().rate, rate, "and no longer");
+}
+
+/// A weight behind the pivot takes what one in front of it gives, also where both balance to nothing.
+#[test]
+fn weights_in_front_of_and_behind_the_pivot_balance() {
+    let p = presets::PAPER.plant;
+    let moment = p.mass * p.center_of_mass;
+    let level = |plant: &PlantParameters<f64>| RigidBody::new(plant).at(&State::default());
+    let (bare, heavy) = (level(&p), level(&p.with_weight(0.02, 0.2)));
+    let more = 0.02 * 0.2 * p.gravity;
+    assert!((heavy.opposing.pitch - bare.opposing.pitch - more).abs() < 1e-12);
+    assert!((heavy.inertia.pitch - bare.inertia.pitch - 0.02 * 0.04).abs() < 1e-12);
+    let balanced = level(&p.with_weight(moment / 0.2, -0.2));
+    assert!(balanced.opposing.pitch.abs() < 1e-7, "{balanced:?}");
+    let square = p.mass * p.center_of_mass.powi(2) + moment / 0.2 * 0.04;
+    assert!((balanced.inertia.pitch - p.inertia.pitch - square).abs() < 1e-9, "{balanced:?}");
+    let at_the_pivot = presets::AERO.plant.with_weight(0.5, 0.0);
+    assert!((level(&at_the_pivot).opposing.pitch).abs() < 1e-7);
+}
+
+#[test]
+fn a_motor_that_lost_half_its_thrust_gives_half_on_both_axes() {
+    let p = presets::AERO_LAB.plant;
+    let torque = |plant: &PlantParameters<f64>, volts: PerMotor<f64>| {
+        let mut rotors = LaggedRotors::new(plant, 1e-3);
+        rotors.volts = volts;
+        rotors.over_step(volts, PerMotor::zero())[2]
+    };
+    let half = p.with_thrust(PerMotor::new(0.5, 1.0));
+    let (main, tail) = (PerMotor::new(9.0, 0.0), PerMotor::new(0.0, 9.0));
+    assert_eq!(torque(&half, main), torque(&p, main).scaled(0.5));
+    assert_eq!(torque(&half, tail), torque(&p, tail));
+}

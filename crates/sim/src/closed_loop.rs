@@ -6,8 +6,9 @@
 
 pub use twinrotor::bench::Hardware;
 
+use crate::scenario::Now;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Encoders};
+use twinrotor::bench::{Bench, Encoders, Worn};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::{CounterWidth, angle_per_count};
@@ -17,7 +18,7 @@ use twinrotor::monitor::SUPPLY_TICKS;
 use twinrotor::parameters::{EncoderScale, Limits, LostLink, Parameters};
 use twinrotor::pipeline::{Decision, Pipeline, Settings};
 use twinrotor::plant::presets::Rig;
-use twinrotor::plant::{IdealPlant, RealPlant, State};
+use twinrotor::plant::{IdealPlant, PlantParameters, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::sequence::{Numbered, Sequence};
@@ -49,6 +50,13 @@ pub trait ClosedLoop<R: Real> {
     /// One tick with `disturbance` \[V\] added to the volts in effect.
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
 
+    /// What befalls the rig from the next tick on, beside the volts that every tick is told. The paper's world
+    /// has neither counts nor a supply.
+    fn befall(&mut self, now: &Now);
+
+    /// The plant becomes that of these constants; its pose, its rates and what its rotors do stay.
+    fn become_plant(&mut self, parameters: &PlantParameters<R>);
+
     /// What the supervisor says after the last tick; `None` where none watches.
     fn arm_state(&self) -> Option<ArmState> {
         None
@@ -60,6 +68,7 @@ pub trait ClosedLoop<R: Real> {
 #[derive(Debug, Clone, Copy)]
 pub struct IdealLoop<R> {
     plant: IdealPlant<R>,
+    nominal_volts: R,
     pipeline: Pipeline<R>,
 }
 
@@ -69,6 +78,7 @@ impl<R: Real> IdealLoop<R> {
         let plant = rig.plant.ideal(rig.nominal_volts);
         Self {
             plant: IdealPlant::new(&plant, start, sample_time),
+            nominal_volts: R::from_f64(rig.nominal_volts),
             pipeline: Pipeline::new(&settings.for_ideal_rotors(), start.angle),
         }
     }
@@ -83,6 +93,14 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
         self.plant.advance(applied, disturbance);
         Tick { state, setpoint: reference.angle, decision, applied }
     }
+
+    fn befall(&mut self, now: &Now) {
+        self.plant.set_load(now.torque.cast());
+    }
+
+    fn become_plant(&mut self, parameters: &PlantParameters<R>) {
+        self.plant.become_plant(&parameters.ideal(self.nominal_volts));
+    }
 }
 
 /// The rig's world: encoder counts, estimated rates, rotor lag and whatever else the plant has, PWM steps,
@@ -94,7 +112,10 @@ pub struct RigLoop<R> {
     angle_per_count: PerAxis<R>,
     pipeline: Pipeline<R>,
     drive: Drive<R>,
+    /// \[V\] As it should be, and as it is.
+    sound_supply: R,
     supply: R,
+    worn: Worn<R>,
     latched: PerMotor<R>,
 }
 
@@ -112,16 +133,19 @@ impl<R: Real> RigLoop<R> {
         settings: &Settings<R>,
     ) -> Self {
         let encoders = Encoders::<R>::new(hardware.encoder_counts, encoder_phase);
-        let angle_per_count: PerAxis<R> = hardware.encoder_counts.map(angle_per_count);
+        let angle_per_count: PerAxis<R> = hardware.believed_counts.map(angle_per_count);
         let counts = encoders.counts(plant.state().angle);
         let start = counts.zip(angle_per_count, |c, a| c * a);
+        let supply = R::from_f64(hardware.supply);
         Self {
+            worn: Worn::new(&hardware.wear, plant.state().angle),
             plant,
             encoders,
             angle_per_count,
             pipeline: Pipeline::new(settings, start),
             drive: Drive::new(hardware.pwm_steps),
-            supply: R::from_f64(hardware.supply),
+            sound_supply: supply,
+            supply,
             latched: PerMotor::zero(),
         }
     }
@@ -131,14 +155,26 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
     #[inline(always)]
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
         let state = self.plant.state();
-        let counts = self.encoders.counts(state.angle);
+        let seen = self.worn.seen(state.angle);
+        let counts = self.worn.shown(self.encoders.counts(seen));
         let measured = counts.zip(self.angle_per_count, |c, a| c * a);
         let applied = self.latched;
         let decision = self.pipeline.tick(measured, applied, reference);
         let duty = self.drive.duty(decision.allocation.volts, self.supply);
         self.latched = self.drive.volts(duty, self.supply);
-        self.plant.advance(applied, disturbance);
-        Tick { state, setpoint: reference.angle, decision, applied }
+        let driven = self.worn.driven(applied);
+        self.plant.advance(driven, disturbance);
+        Tick { state, setpoint: reference.angle, decision, applied: driven }
+    }
+
+    fn befall(&mut self, now: &Now) {
+        self.plant.set_load(now.torque.cast());
+        self.worn.set_noise(now.noise.cast());
+        self.supply = now.supply(self.sound_supply);
+    }
+
+    fn become_plant(&mut self, parameters: &PlantParameters<R>) {
+        self.plant.become_plant(parameters);
     }
 }
 
@@ -146,6 +182,8 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
 #[derive(Debug, Clone, Copy)]
 pub struct BoardLoop {
     bench: Bench<f32>,
+    /// \[V\] As it should be.
+    supply: f32,
     control: ControlLoop,
 }
 
@@ -156,7 +194,7 @@ impl BoardLoop {
         let bench = Bench::new(plant, hardware);
         let parameters = Parameters {
             settings: *settings,
-            encoders: hardware.encoder_counts.zip(bench.position(), |counts_per_turn, rest_counts| {
+            encoders: hardware.believed_counts.zip(bench.position(), |counts_per_turn, rest_counts| {
                 EncoderScale { angle_per_count: angle_per_count(counts_per_turn), rest_counts }
             }),
             limits: Limits {
@@ -173,7 +211,7 @@ impl BoardLoop {
         };
         let drive = Drive::new(hardware.pwm_steps);
         let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-        let mut board = Self { bench, control };
+        let mut board = Self { bench, supply: bench.supply, control };
         for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
             board.step(None);
         }
@@ -209,6 +247,16 @@ impl ClosedLoop<f32> for BoardLoop {
         self.bench.disturbance = disturbance;
         let applied = self.bench.tick(outputs.duty, outputs.enable);
         Tick { state, setpoint: reference.angle, decision: *self.control.decision(), applied }
+    }
+
+    fn befall(&mut self, now: &Now) {
+        self.bench.set_load(now.torque.cast());
+        self.bench.worn.set_noise(now.noise.cast());
+        self.bench.supply = now.supply(self.supply);
+    }
+
+    fn become_plant(&mut self, parameters: &PlantParameters<f32>) {
+        self.bench.become_plant(parameters);
     }
 
     fn arm_state(&self) -> Option<ArmState> {

@@ -228,25 +228,35 @@ struct Effort<R> {
     saturated: R,
     peak_demand: R,
     peak_volts: R,
+    volts: R,
+    variation: Compensated<R>,
 }
 
 impl<R: Real> Effort<R> {
     fn new(limit: R) -> Self {
-        Self { limit, saturated: R::zero(), peak_demand: R::zero(), peak_volts: R::zero() }
+        let (saturated, peak_demand, peak_volts, volts) = (R::zero(), R::zero(), R::zero(), R::zero());
+        Self { limit, saturated, peak_demand, peak_volts, volts, variation: Compensated::new(R::zero()) }
     }
 
     #[inline(always)]
-    fn add(&mut self, demand: R, volts: R) {
+    fn add(&mut self, tick: u32, demand: R, volts: R) {
+        if tick > 0 {
+            self.variation.add((volts - self.volts).abs());
+        }
+        self.volts = volts;
         let over = self.limit.lt(demand.abs());
         self.saturated = self.saturated + R::select(over, R::one(), R::zero());
         self.peak_demand = self.peak_demand.max(demand.abs());
         self.peak_volts = self.peak_volts.max(volts.abs());
     }
 
-    fn report(&self, lane: usize, sample_time: f64) -> MotorReport {
+    fn report(&self, lane: usize, last: u32, sample_time: f64) -> MotorReport {
         let of = |x: R| -> f64 { x.lane(lane).into() };
+        let time = f64::from(last.max(1)) * sample_time;
         MotorReport {
             saturation_time: of(self.saturated) * sample_time,
+            saturation_percent: 100.0 * of(self.saturated) / (f64::from(last) + 1.0),
+            voltage_variation: (of(self.variation.value()) - of(self.variation.excess())) / time,
             peak_demand: of(self.peak_demand),
             peak_volts: of(self.peak_volts),
         }
@@ -283,8 +293,8 @@ impl<R: Real> Metrics<R> {
         self.response.pitch.add(tick, error.pitch);
         self.response.yaw.add(tick, error.yaw);
         let demand = happened.decision.allocation.demand;
-        self.effort.main.add(demand.main, happened.applied.main);
-        self.effort.tail.add(demand.tail, happened.applied.tail);
+        self.effort.main.add(tick, demand.main, happened.applied.main);
+        self.effort.tail.add(tick, demand.tail, happened.applied.tail);
     }
 
     /// What it came to in a lane, for ticks of `sample_time` \[s\].
@@ -294,8 +304,8 @@ impl<R: Real> Metrics<R> {
         Report {
             pitch: axis(&self.response.pitch, [ise.pitch, iae.pitch, itae.pitch]),
             yaw: axis(&self.response.yaw, [ise.yaw, iae.yaw, itae.yaw]),
-            main: self.effort.main.report(lane, sample_time),
-            tail: self.effort.tail.report(lane, sample_time),
+            main: self.effort.main.report(lane, self.last, sample_time),
+            tail: self.effort.tail.report(lane, self.last, sample_time),
         }
     }
 }
@@ -344,6 +354,10 @@ pub struct AxisReport {
 pub struct MotorReport {
     /// \[s\] For how long more was asked of it than its limit.
     pub saturation_time: f64,
+    /// \[%\] The same, of the flight.
+    pub saturation_percent: f64,
+    /// \[V/s\] Σ|ΔV| a second of what was applied, over the whole flight: how much it chatters.
+    pub voltage_variation: f64,
     /// \[V\] Most that was asked.
     pub peak_demand: f64,
     /// \[V\] Most that was applied.
@@ -374,6 +388,8 @@ impl fmt::Display for Report {
         let motors = [&self.main, &self.tail];
         row("", ["main motor", "tail motor"].map(str::to_owned))?;
         row("asked beyond its limit [ms]", motors.map(|m| format!("{:.0}", 1e3 * m.saturation_time)))?;
+        row("the same, of the flight [%]", motors.map(|m| format!("{:.1}", m.saturation_percent)))?;
+        row("voltage variation [V/s]", motors.map(|m| format!("{:.1}", m.voltage_variation)))?;
         row("peak demand [V]", motors.map(|m| format!("{:.2}", m.peak_demand)))?;
         row("peak volts [V]", motors.map(|m| format!("{:.2}", m.peak_volts)))
     }

@@ -4,7 +4,7 @@ use crate::optimise::Candidate;
 use crate::parallel::{self, Stop};
 use crate::search::{Effort, Problem};
 use std::sync::atomic::{AtomicU64, Ordering};
-use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::gains::Gains;
 use twinrotor::law::LawSettings;
@@ -18,7 +18,7 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::lanes::{Kernel, LANES, gather, in_lanes};
 use twinrotor_sim::metrics::{Criterion, Integral};
-use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_sim::scenario::{Now, SAMPLE_TIME, Scenario};
 
 /// ISE, IAE or ITAE of the paper's law over one scenario, from rest.
 #[derive(Debug)]
@@ -27,7 +27,8 @@ pub struct Objective {
     rig: Rig,
     fidelity: Fidelity,
     references: Vec<Reference<f32>>,
-    disturbances: Vec<PerMotor<f32>>,
+    scenario: Scenario,
+    befalls: Vec<Now>,
     simulated: AtomicU64,
     skipped: AtomicU64,
     diverged: AtomicU64,
@@ -42,14 +43,16 @@ const LOOK_EVERY: u32 = 64;
 const ASK_EVERY: u32 = 4096;
 
 impl Objective {
-    /// For a rig, a scenario and a world; `seed` is of the scenario's disturbance.
+    /// For a rig, a scenario and a world; `seed` is of what is random in the scenario. Motors are cold,
+    /// whatever the scenario says.
     pub fn new(criterion: Criterion, rig: &Rig, scenario: &Scenario, fidelity: Fidelity, seed: u64) -> Self {
         Self {
             criterion,
             rig: *rig,
             fidelity,
             references: scenario.references(),
-            disturbances: scenario.disturbances(seed),
+            befalls: scenario.befalls(seed).take(scenario.last_tick() as usize + 1).collect(),
+            scenario: scenario.clone(),
             simulated: AtomicU64::new(0),
             skipped: AtomicU64::new(0),
             diverged: AtomicU64::new(0),
@@ -120,13 +123,17 @@ impl Kernel for Flights<'_> {
     #[inline(always)]
     fn run<R: Real<Scalar = f32>>(self) -> Self::Output {
         let settings = paper_settings(gather::<R>(self.settings));
-        let rig = &self.objective.rig;
-        let start = State::at_rest(PerAxis::zero());
+        let Objective { rig, scenario, .. } = self.objective;
+        let begin = &scenario.start;
+        let start = State { angle: begin.angle().cast(), rate: begin.rate().cast() };
         match self.objective.fidelity {
             Fidelity::Ideal => self.integrate(IdealLoop::new(rig, &settings, start, SAMPLE_TIME)),
             Fidelity::Rig => {
-                let plant = RealPlant::new(&rig.plant, start, SAMPLE_TIME);
-                self.integrate(RigLoop::new(plant, &Hardware::of(rig, PerAxis::both(0.5)), &settings))
+                let mut plant = RealPlant::new(&rig.plant, start, SAMPLE_TIME);
+                plant.set_rotors(begin.rotors().cast());
+                let sound = Hardware::of(rig, PerAxis::both(0.5));
+                let hardware = Hardware { wear: scenario.hardware.wear(), ..sound };
+                self.integrate(RigLoop::new(plant, &hardware, &settings))
             }
         }
     }
@@ -149,16 +156,23 @@ impl Flights<'_> {
         &self,
         mut closed_loop: impl ClosedLoop<R>,
     ) -> Option<(Vec<f64>, usize)> {
-        let Self { objective: Objective { references, disturbances, criterion, .. }, bounds, stop, .. } =
-            *self;
+        let Self { objective, bounds, stop, .. } = *self;
+        let Objective { references, befalls, criterion, scenario, .. } = objective;
+        let more_than_volts = scenario.is_more_than_volts();
         let last = u32::try_from(references.len() - 1).expect("an hour of ticks at most");
         let mut integral = Integral::<R>::new(*criterion);
         let cost = |integral: &Integral<R>, lane| {
             let PerAxis { pitch, yaw } = integral.value(lane, SAMPLE_TIME);
             pitch + yaw
         };
-        for (tick, (reference, disturbance)) in (0..).zip(references.iter().zip(disturbances)) {
-            let happened = closed_loop.tick(&Reference::splat(reference), PerMotor::splat(*disturbance));
+        for (tick, (reference, now)) in (0..).zip(references.iter().zip(befalls)) {
+            if more_than_volts {
+                closed_loop.befall(now);
+            }
+            if let Some(change) = &now.change {
+                closed_loop.become_plant(&change.of(&objective.rig.plant).map(R::from_f64));
+            }
+            let happened = closed_loop.tick(&Reference::splat(reference), now.volts.cast());
             integral.add(tick, last, happened.error());
             if tick % ASK_EVERY == 0 && stop() {
                 return None;

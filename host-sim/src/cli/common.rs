@@ -8,11 +8,14 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use twinrotor::axes::PerMotor;
+use twinrotor::plant::presets::Rig;
 use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
 use twinrotor_sim::error::at_least;
+use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::Scenario;
 
 /// Of every command that computes.
 #[derive(Debug, Args)]
@@ -53,6 +56,30 @@ impl Common {
         let mut outputs = Outputs::new();
         outputs.reads("--preset", &self.preset);
         outputs
+    }
+}
+
+/// The rig that is flown where the controllers believe in `named`.
+pub(super) fn truth(rig: Option<&str>, lag: Option<f64>, named: &NamedRig) -> Outcome<Rig> {
+    let mut truth = match rig {
+        Some(name) => files::rig(name)?.rig,
+        None => named.rig,
+    };
+    if let Some(lag) = lag {
+        truth.plant.rotor_time_constant = PerMotor::both(at_least("--true-lag", lag, 0.0, false)?);
+    }
+    Ok(truth)
+}
+
+/// Refuses, in the paper's world, what of a scenario it does not have.
+pub(super) fn refuse_in_ideal_world(scenario: &Scenario, fidelity: Fidelity) -> Outcome<()> {
+    match scenario.of_the_rigs_world() {
+        Some(field) if fidelity == Fidelity::Ideal => Err(Failure::Input(format!(
+            "{field} of scenario {} has no effect with --fidelity ideal: the paper's world has none; fly it \
+             with --fidelity rig, or leave it out",
+            scenario.name
+        ))),
+        _ => Ok(()),
     }
 }
 

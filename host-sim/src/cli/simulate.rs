@@ -1,7 +1,7 @@
 //! `simulate`: fly one scenario.
 
 use super::choices;
-use super::common::{Common, drawn, no_effect, pair, tuned_elsewhere};
+use super::common::{Common, drawn, no_effect, pair, refuse_in_ideal_world, truth, tuned_elsewhere};
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -18,7 +18,7 @@ use twinrotor::static_reach::StaticReach;
 use twinrotor_plot::flight::flight as flight_figure;
 use twinrotor_plot::moving::moving;
 use twinrotor_sim::error::at_least;
-use twinrotor_sim::flight::{self, BoardState, Fidelity, Moment, Plan, Scalar};
+use twinrotor_sim::flight::{self, BoardState, Extent, Fidelity, Moment, Plan, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Report;
 use twinrotor_sim::scenario::{Disturbance, Scenario};
@@ -52,9 +52,16 @@ pub(super) struct Args {
     /// How long to fly, in s, instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Where to start, at rest
-    #[arg(long, value_name = "PITCH_DEG,YAW_DEG", default_value = "0,0", allow_hyphen_values = true)]
-    initial: String,
+    /// Where to start, instead of where the scenario does
+    #[arg(long, value_name = "PITCH_DEG,YAW_DEG", allow_hyphen_values = true)]
+    initial: Option<String>,
+    /// Rig that is flown in truth, all of it: plant, encoders, supply, limits, envelope; the controller
+    /// believes --preset
+    #[arg(long, value_name = "RIG")]
+    true_rig: Option<String>,
+    /// True lag of both rotors, in s, whatever the controller believes
+    #[arg(long, value_name = "S")]
+    true_lag: Option<f64>,
     /// Amplitude of random volts added to each motor
     #[arg(long, value_name = "VOLTS", allow_negative_numbers = true)]
     disturbance: Option<f64>,
@@ -82,6 +89,9 @@ pub(super) struct Args {
 #[derive(Debug, Serialize)]
 struct Document<'a> {
     preset: &'a str,
+    /// What was flown, where that was not the preset.
+    true_rig: Option<&'a str>,
+    true_lag: Option<f64>,
     scenario: &'a str,
     fidelity: Fidelity,
     scalar: Scalar,
@@ -91,6 +101,7 @@ struct Document<'a> {
     #[serde(flatten)]
     report: Report,
     board: Option<BoardState>,
+    envelope: Extent,
     left_envelope: Option<Moment>,
     cannot_hold: Option<String>,
     tuned_elsewhere: Option<String>,
@@ -98,25 +109,34 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
-    if args.fidelity == choices::Fidelity::Ideal && args.common.rotor_lag.is_some() {
-        return Err(no_effect(
-            "--rotor-lag",
-            "with --fidelity ideal",
-            "rotors of the paper's world have none",
-        ));
+    if args.fidelity == choices::Fidelity::Ideal {
+        let lags = [("--rotor-lag", args.common.rotor_lag), ("--true-lag", args.true_lag)];
+        if let Some((flag, _)) = lags.iter().find(|(_, lag)| lag.is_some()) {
+            let why = "rotors of the paper's world have none";
+            return Err(no_effect(flag, "with --fidelity ideal", why));
+        }
     }
+    let truth = truth(args.true_rig.as_deref(), args.true_lag, &named)?;
     let scenario = scenario(args)?;
+    refuse_in_ideal_world(&scenario, args.fidelity.into())?;
     let gains = files::gains("--gains", &args.gains)?;
     gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
-    let [pitch, yaw] = pair("--initial", &args.initial)?.map(f64::to_radians);
+    let initial = match &args.initial {
+        Some(text) => {
+            let [pitch, yaw] = pair("--initial", text)?.map(f64::to_radians);
+            PerAxis::new(pitch, yaw)
+        }
+        None => scenario.start.angle(),
+    };
     let mut outputs = outputs(args)?;
 
     let settings = gains.settings(&named.rig);
     let plan = Plan {
         rig: &named.rig,
+        truth: &truth,
         settings: &settings,
         scenario: &scenario,
-        initial: PerAxis::new(pitch, yaw),
+        initial,
         fidelity: args.fidelity.into(),
         seed: args.common.seed,
     };
@@ -128,7 +148,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.export {
         outputs.write(path, &Table::of_flight(&flown.rows).bytes(path)?);
     }
-    let title = format!("{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
+    let flown_on = args.true_rig.as_ref().map_or_else(String::new, |rig| format!("{rig} taken for "));
+    let title = format!("{flown_on}{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
     if let Some(path) = &args.plot {
         let figure = flight_figure(&title, &flown, settings.volts_limit);
         outputs.write(path, &figure::bytes(&figure, path)?);
@@ -136,11 +157,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(path) = &args.animate {
         outputs.write(path, moving(&title, &flown.rows).as_bytes());
     }
+    let envelope = flown.extent(&truth.envelope);
     let cannot_hold = cannot_hold(&settings, &scenario);
     let tuned_elsewhere = tuned_elsewhere(&named.name, &gains);
     if args.common.json {
         print_json(&Document {
             preset: &named.name,
+            true_rig: args.true_rig.as_deref(),
+            true_lag: args.true_lag,
             scenario: &scenario.name,
             fidelity: args.fidelity.into(),
             scalar: args.scalar.into(),
@@ -149,6 +173,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             gains: &gains,
             report: flown.report,
             board: flown.board,
+            envelope,
             left_envelope: flown.left_envelope,
             cannot_hold,
             tuned_elsewhere,
@@ -156,7 +181,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     } else {
         let warnings = [cannot_hold, tuned_elsewhere].into_iter().flatten();
         let note: String = warnings.map(|told| format!("warning: {told}\n")).collect();
-        print(&format!("{title}\n{}{}{note}", flown.report, board(flown.board)))?;
+        let told = envelope.text(flown.left_envelope);
+        print(&format!("{title}\n{}{told}{}{note}", flown.report, board(flown.board)))?;
     }
     outputs.done()?;
     flown.stopped().map_or(Ok(()), |why| Err(Failure::Flight(why)))
@@ -167,6 +193,7 @@ fn outputs(args: &Args) -> Outcome<Outputs> {
     let mut outputs = args.common.outputs();
     outputs.reads("--gains", &args.gains);
     outputs.reads("--scenario", &args.scenario);
+    outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
     if let Some(path) = &args.csv {
         outputs.writes("--csv", path)?;
     }

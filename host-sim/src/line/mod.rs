@@ -23,6 +23,9 @@ pub trait Line {
     /// If the line is no longer there.
     fn exchange(&mut self, bytes: &[u8]) -> io::Result<Vec<u8>>;
 
+    /// A leg of the flight began in the board's tick `tick`: what a simulated rig may have waited for.
+    fn begins(&mut self, _tick: u32) {}
+
     /// Since it was opened, by the clock that goes with this line.
     fn now(&self) -> Duration;
 }

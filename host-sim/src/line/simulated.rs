@@ -9,12 +9,18 @@ use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError};
 use twinrotor::plant::presets::Rig;
 use twinrotor::telemetry::Frame;
+use twinrotor_sim::scenario::{Befallen, Scenario};
 use twinrotor_station::SimulatedBoard;
 
 /// A line whose clock is the board's own: a tick is a millisecond.
 pub struct Simulated {
     board: SimulatedBoard,
     ticks: u64,
+    rig: Rig,
+    /// What befalls the rig in each leg, and what is random in it.
+    scenario: Option<(Scenario, u64)>,
+    /// The same in the leg that is flown, and the board's tick in which that began.
+    befallen: Option<(Befallen, u32)>,
     /// When it began, in real time.
     begun: Option<Instant>,
 }
@@ -29,7 +35,16 @@ impl Simulated {
         let mut store = Store::new(RamFlash::default(), 0);
         parameters::save(&mut store, parameters, &mut [0; SLOT_SIZE])?;
         let board = SimulatedBoard::new(rig, *parameters, store.into_flash());
-        Ok(Self { board, ticks: 0, begun: real_time.then(Instant::now) })
+        let begun = real_time.then(Instant::now);
+        Ok(Self { board, ticks: 0, rig: *rig, scenario: None, befallen: None, begun })
+    }
+
+    /// The same rig with the hardware that `scenario` has, and with all that befalls it in each leg.
+    #[must_use]
+    pub fn befallen_by(mut self, scenario: &Scenario, seed: u64) -> Self {
+        Befallen::wear(scenario, &mut self.board.bench);
+        self.scenario = Some((scenario.clone(), seed));
+        self
     }
 
     /// The board's last tick.
@@ -42,12 +57,22 @@ impl Simulated {
 impl Line for Simulated {
     fn exchange(&mut self, bytes: &[u8]) -> io::Result<Vec<u8>> {
         self.board.push(bytes);
+        let tick = self.board.frame().tick.wrapping_add(1);
+        if let Some((befallen, begun)) = &mut self.befallen {
+            befallen.befall(&mut self.board.bench, tick.wrapping_sub(*begun));
+        }
         self.board.tick();
         self.ticks += 1;
         if let Some(begun) = self.begun {
             std::thread::sleep(self.now().saturating_sub(begun.elapsed()));
         }
         Ok(self.board.take_outgoing())
+    }
+
+    fn begins(&mut self, tick: u32) {
+        let Some((scenario, seed)) = &self.scenario else { return };
+        let befallen = Befallen::new(scenario, *seed, &self.rig, &self.board.bench);
+        self.befallen = Some((befallen, tick));
     }
 
     fn now(&self) -> Duration {

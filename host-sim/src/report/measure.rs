@@ -23,7 +23,8 @@ pub(super) fn fly_in(
     seed: u64,
 ) -> Outcome<Flight> {
     let settings = gains.settings(believed);
-    let plan = Plan { rig, settings: &settings, scenario, initial: PerAxis::both(0.0), fidelity, seed };
+    let plan =
+        Plan { rig, truth: rig, settings: &settings, scenario, initial: PerAxis::both(0.0), fidelity, seed };
     Ok(flight::fly(&plan, Scalar::F32)?)
 }
 

@@ -65,3 +65,82 @@ fn margins_are_told_in_words_and_in_json() {
     let table = String::from_utf8(out.stdout).unwrap();
     assert!(out.status.success() && table.contains(&format!("x{high:.2}")), "{table}");
 }
+
+/// A hover on `aero2` in the rig's world with its own gains and what `more` says.
+fn hover(folder: &Path, more: &str, flags: &[&str]) -> std::process::Output {
+    let text = format!("duration = 6.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = [[0.5, 40]]\n{more}");
+    std::fs::write(folder.join("hover.toml"), text).unwrap();
+    let gains = Path::new(env!("CARGO_MANIFEST_DIR")).join("../gains/aero2.toml");
+    let given =
+        ["simulate", "--preset", "aero2", "--gains", gains.to_str().unwrap(), "--scenario", "hover.toml"];
+    host_sim(folder, &[&given, flags].concat())
+}
+
+#[test]
+fn truth_and_belief_are_two() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = twinrotor::plant::presets::AERO2;
+    let counts = rig.encoder_counts.map(|counts| 2 * counts);
+    let envelope = twinrotor::plant::presets::Envelope { pitch: 0.01, ..rig.envelope };
+    let truth = twinrotor::plant::presets::Rig { encoder_counts: counts, envelope, ..rig };
+    std::fs::write(folder.path().join("truth.toml"), twinrotor_sim::rig::to_toml(&truth)).unwrap();
+    let flags = ["--fidelity", "rig", "--json", "--true-rig", "truth.toml"];
+    let out = hover(folder.path(), "", &flags);
+    let json: Value = serde_json::from_slice(&out.stdout).unwrap();
+    // Half of the angle, by the encoder's real counts, and a narrower envelope than the board's.
+    let error = json["yaw"]["final_error_deg"].as_f64().unwrap();
+    assert!((error - 20.0).abs() < 0.3, "{error}");
+    assert_eq!(json["true_rig"], "truth.toml");
+    assert_eq!(json["envelope"]["allowed_pitch_deg"].as_f64().unwrap(), 0.01_f64.to_degrees());
+    assert_eq!(out.status.code(), Some(if json["left_envelope"].is_null() { 0 } else { 3 }));
+
+    let slow = hover(folder.path(), "", &["--fidelity", "rig", "--json", "--true-lag", "0.8"]);
+    let quick = hover(folder.path(), "", &["--fidelity", "rig", "--json"]);
+    let error = |out: &std::process::Output| {
+        serde_json::from_slice::<Value>(&out.stdout).unwrap()["yaw"]["iae"].as_f64().unwrap()
+    };
+    assert!(error(&slow) > 1.02 * error(&quick), "rotors that lag by more than is believed cost time");
+    let out = hover(folder.path(), "", &["--true-lag", "0.4"]);
+    let told = String::from_utf8(out.stderr).unwrap();
+    assert!(
+        out.status.code() == Some(2) && told.contains("--true-lag has no effect with --fidelity ideal"),
+        "{told}"
+    );
+}
+
+#[test]
+fn what_befalls_a_rig_is_flown_or_refused_with_its_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let gust = "[[events.gust]]\nvolts = [0, 3]\nwindow = [3, 5]\n";
+    let words = |more: &str| {
+        let out = hover(folder.path(), more, &["--fidelity", "rig"]);
+        assert_eq!(out.status.code(), Some(0));
+        String::from_utf8(out.stdout).unwrap()
+    };
+    let (calm, gusty) = (words(""), words(gust));
+    assert!(
+        calm.contains("envelope: kept; pitch up to ") && calm.contains("voltage variation [V/s]"),
+        "{calm}"
+    );
+    assert_ne!(calm, gusty);
+    for (more, fidelity, expected) in [
+        (
+            "[[events.gust]]\nvolts = [70, 0]\nwindow = [3, 5]\n",
+            "rig",
+            "events.gust[0].volts[0] is 70; allowed: -60 to 60 V",
+        ),
+        (
+            "[hardware]\ndelay = 0.004\n",
+            "ideal",
+            "hardware of scenario hover.toml has no effect with --fidelity ideal",
+        ),
+        ("[start]\nhot = true\n", "ideal", "start.hot of scenario"),
+    ] {
+        let out = hover(folder.path(), more, &["--fidelity", fidelity]);
+        let told = String::from_utf8(out.stderr).unwrap();
+        assert!(
+            out.status.code() == Some(2) && told.contains(expected) && told.lines().count() == 1,
+            "{told}"
+        );
+    }
+}

@@ -231,3 +231,34 @@ fn gains_are_tried_in_flight_shown_side_by_side_and_kept_if_that_is_wanted() {
     assert!(text.contains("reverted") && text.contains("accepted      tried"), "{text}");
     assert!(!text.contains("saved"));
 }
+
+/// The simulated board's rig is pushed while the scenario runs, a real one never.
+#[test]
+fn a_scenario_befalls_the_simulated_rig_and_leaves_a_real_one_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let calm = "duration = 5.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = [[0.5, 20]]\n";
+    let pushed = format!("{calm}[[events.gust]]\ntorque = [0.006, 0]\nwindow = [3, 4]\n");
+    fs::write(folder.path().join("calm.toml"), calm).unwrap();
+    fs::write(folder.path().join("pushed.toml"), pushed).unwrap();
+    let iae = |document: &Value, which: &str| document[which]["pitch"]["iae"].as_f64().unwrap();
+    let fly = |scenario: &str, more: &[&str]| {
+        fly(folder.path(), &[&["--scenario", scenario, "--json"], more].concat())
+    };
+    let (calm, pushed) = (json(&fly("calm.toml", &[])), json(&fly("pushed.toml", &[])));
+    for which in ["flown", "simulated"] {
+        assert!(iae(&pushed, which) > 1.5 * iae(&calm, which), "{which}: {pushed}");
+    }
+    assert!(pushed["verified_ticks"].is_null() && calm["verified_ticks"].as_u64().is_some());
+    let refused = fly("pushed.toml", &["--verify"]);
+    assert!(
+        refused.status.code() == Some(2) && told(&refused).contains("--verify cannot be with"),
+        "{}",
+        told(&refused)
+    );
+
+    let board = Served::over_tcp(true, Mishap::None);
+    let alone = json(&fly("pushed.toml", &["--port", &board.port, "--yes"]));
+    assert!(iae(&alone, "flown") < 1.2 * iae(&calm, "flown"), "{alone}");
+    let notes = alone["notes"].to_string();
+    assert!(notes.contains("disturbances, events and hardware are left out"), "{notes}");
+}

@@ -115,8 +115,8 @@ fn disturbed(kind: Kind, rig: &Rig, settings: &Settings<f64>, seed: u64) -> Opti
     flight.run(20_000, |flight, tick| {
         flight.bench.disturbance = volts.at(tick);
         match (kind, tick) {
-            (Kind::Weight, 1_000) => flight.bench.become_body(&weight),
-            (Kind::Weight, 9_000) => flight.bench.become_body(&without),
+            (Kind::Weight, 1_000) => flight.bench.become_plant(&weight),
+            (Kind::Weight, 9_000) => flight.bench.become_plant(&without),
             (Kind::Moving, _) if tick % 8_000 == 0 => flight.aim(15.0, 40.0),
             (Kind::Moving, _) if tick % 8_000 == 4_000 => flight.aim(pitch, yaw),
             _ => {}

@@ -61,6 +61,7 @@ fn no_other_reach_comes_nearer_to_rates_that_are_known() {
         let scenario = Scenario::load(scenario, &|path| Ok(std::fs::read_to_string(path).unwrap())).unwrap();
         let plan = Plan {
             rig: &AERO_LAB,
+            truth: &AERO_LAB,
             settings: &settings,
             scenario: &scenario,
             initial: PerAxis::both(0.0),

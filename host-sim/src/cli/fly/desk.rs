@@ -105,6 +105,7 @@ impl Desk {
                     Event::Health(health) => self.flown.health = Some(health),
                     Event::Begins { tick, .. } => {
                         self.worst = PerAxis::zero();
+                        self.line.begins(tick);
                         self.flown.begins.push(tick);
                     }
                 }

@@ -81,8 +81,8 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
-    let task = task(args)?;
     let simulated = args.port == "sim";
+    let task = task(args, simulated)?;
     if args.real_time && !simulated {
         return Err(no_effect(
             "--real-time",
@@ -101,7 +101,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let (port, line): (String, Box<dyn Line>) = if simulated {
         let parameters = Parameters { checked: true, ..task.parameters };
         let line = Simulated::new(&task.named.rig, &parameters, args.real_time).map_err(image::unusable)?;
-        ("sim".to_owned(), Box::new(line))
+        ("sim".to_owned(), Box::new(line.befallen_by(&task.scenario, args.seed)))
     } else {
         line::open(&args.port)?
     };
@@ -166,7 +166,8 @@ fn conclude(
         let figure = figures::comparison(&title, flights, rig.volts_limit);
         outputs.write(path, &figure::bytes(&figure, path)?);
     }
-    let verify = end.ending == Ending::Flown && (args.verify || args.port == "sim");
+    let calm = task.scenario.is_undisturbed();
+    let verify = end.ending == Ending::Flown && calm && (args.verify || args.port == "sim");
     let verified = if verify {
         Some(again(rig, &task.parameters, frames, session.said(), session.tried()))
     } else {
@@ -208,6 +209,7 @@ fn simulate(args: &Args, task: &Task) -> Outcome<Flight> {
     let settings = task.gains.settings(&task.named.rig);
     let plan = Simulation {
         rig: &task.named.rig,
+        truth: &task.named.rig,
         settings: &settings,
         scenario: &task.scenario,
         initial: PerAxis::zero(),

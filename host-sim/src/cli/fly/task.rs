@@ -12,7 +12,7 @@ use twinrotor::real::Real;
 use twinrotor::trial::Attempt;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
-use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::scenario::{Scenario, Start};
 use twinrotor_station::image;
 use twinrotor_station::session::{Leg, Plan, Write};
 
@@ -33,7 +33,7 @@ pub(super) struct Task {
 }
 
 /// What the flags ask for.
-pub(super) fn task(args: &Args) -> Outcome<Task> {
+pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
     let named = files::rig(&args.preset)?;
     let (gains_name, gains) = match &args.gains {
         Some(name) => (name.clone(), files::gains("--gains", name)?),
@@ -52,8 +52,20 @@ pub(super) fn task(args: &Args) -> Outcome<Task> {
     parameters.validate().map_err(image::unusable)?;
     let mut scenario = files::scenario(&args.scenario)?;
     let mut notes = Vec::new();
-    if scenario.disturbance.take().is_some() {
-        notes.push("the scenario's disturbance is left out: nothing but the air disturbs a rig".to_owned());
+    if scenario.start != Start::default() {
+        notes.push("the scenario's start is left out: a board begins where its rig rests".to_owned());
+        scenario.start = Start::default();
+    }
+    if !simulated && !scenario.is_undisturbed() {
+        let why = "nothing but the air disturbs a rig, and its hardware is what it is";
+        notes.push(format!("the scenario's disturbances, events and hardware are left out: {why}"));
+        scenario = scenario.undisturbed();
+    }
+    if args.verify && !scenario.is_undisturbed() {
+        return Err(Failure::Input(format!(
+            "--verify cannot be with --scenario {}: what befalls the rig is not computed once more; leave one out",
+            scenario.name
+        )));
     }
     refuse_out_of_range(&scenario, &parameters)?;
     notes.extend(cannot_hold(&gains.settings(&named.rig), &scenario));

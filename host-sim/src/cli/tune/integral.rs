@@ -3,14 +3,13 @@
 use super::report::{document, name_of, summary};
 use super::request::{Request, left};
 use crate::cli::choices;
-use crate::cli::common::{beside, no_effect, pair};
+use crate::cli::common::{beside, no_effect, pair, refuse_in_ideal_world};
 use crate::cli::{print, print_json};
-use crate::error::Outcome;
+use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files::{self, figure};
 use crate::stop;
 use std::path::PathBuf;
-use twinrotor::axes::PerAxis;
 use twinrotor::gains::NAMES;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::flight::{self, Fidelity, Flight, Plan, Scalar};
@@ -90,6 +89,13 @@ impl Args {
         at_least("--bounds: the upper one", bounds[1], bounds[0], true)?;
         let plot = beside(self.plot.as_deref(), request.out, &mut request.outputs.borrow_mut())?;
         let fidelity = self.fidelity.map_or(Fidelity::Ideal, Into::into);
+        refuse_in_ideal_world(&scenario, fidelity)?;
+        if scenario.start.hot {
+            return Err(Failure::Input(format!(
+                "start.hot of scenario {} is true; allowed: false, candidates fly with cold motors",
+                scenario.name
+            )));
+        }
         Ok(Task { request, criterion, scenario, fidelity, bounds, plot })
     }
 }
@@ -155,9 +161,10 @@ impl Task<'_> {
         let settings = gains.settings(rig);
         let plan = Plan {
             rig,
+            truth: rig,
             settings: &settings,
             scenario: &self.scenario,
-            initial: PerAxis::both(0.0),
+            initial: self.scenario.start.angle(),
             fidelity,
             seed: self.request.seed,
         };

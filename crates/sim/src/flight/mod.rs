@@ -1,9 +1,14 @@
 //! One flight, recorded: a rig, a controller, a scenario and a world to fly them in.
 
+mod extent;
+mod warm;
+
+pub use extent::Extent;
+
 use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
 use crate::error::{Error, Outcome};
 use crate::metrics::{Metrics, Report};
-use crate::scenario::{SAMPLE_TIME, Scenario};
+use crate::scenario::{Now, SAMPLE_TIME, Scenario};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -38,17 +43,20 @@ pub enum Scalar {
 /// What to fly.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    /// The machine.
+    /// The machine as the controller knows it.
     pub rig: &'a Rig,
+    /// The machine that is flown: plant, encoders, supply, limits, envelope. `rig`, unless truth and belief are
+    /// two.
+    pub truth: &'a Rig,
     /// The controller.
     pub settings: &'a Settings<f64>,
     /// What to follow.
     pub scenario: &'a Scenario,
-    /// \[rad\] Where to start, at rest.
+    /// \[rad\] Where to start; at what rates and with what rotors is the scenario's.
     pub initial: PerAxis<f64>,
     /// Which world.
     pub fidelity: Fidelity,
-    /// Of the disturbance and the encoders' phase.
+    /// Of the disturbance, the encoders' phase and their noise.
     pub seed: u64,
 }
 
@@ -65,6 +73,8 @@ pub struct Row {
     pub volts: PerMotor<f64>,
     /// \[V\] What disturbed them.
     pub disturbance: PerMotor<f64>,
+    /// \[N m\] What turned the body from outside.
+    pub load: PerAxis<f64>,
 }
 
 /// What is read off a row.
@@ -149,16 +159,19 @@ pub fn fly(plan: &Plan<'_>, scalar: Scalar) -> Outcome<Flight> {
 }
 
 fn start<R: Real>(plan: &Plan<'_>) -> State<R> {
-    State::at_rest(plan.initial.cast())
+    State { angle: plan.initial.cast(), rate: plan.scenario.start.rate().cast() }
 }
 
 fn ideal_loop<R: Real>(plan: &Plan<'_>) -> IdealLoop<R> {
-    IdealLoop::new(plan.rig, &plan.settings.map(R::from_f64), start(plan), SAMPLE_TIME)
+    IdealLoop::new(plan.truth, &plan.settings.map(R::from_f64), start(plan), SAMPLE_TIME)
 }
 
 fn real_parts<R: Real>(plan: &Plan<'_>) -> (RealPlant<R>, Hardware, Settings<R>) {
-    let plant = RealPlant::new(&plan.rig.plant, start(plan), SAMPLE_TIME);
-    (plant, Hardware::of(plan.rig, encoder_phase(plan.seed)), plan.settings.map(R::from_f64))
+    let mut plant = RealPlant::new(&plan.truth.plant, start(plan), SAMPLE_TIME);
+    plant.set_rotors(plan.scenario.start.rotors().cast());
+    let sound = Hardware::of(plan.truth, encoder_phase(plan.seed));
+    let worn = Hardware { wear: plan.scenario.hardware.wear(), ..sound };
+    (plant, worn.taken_for(plan.rig, plan.truth), plan.settings.map(R::from_f64))
 }
 
 /// The loop as the board runs it.
@@ -187,16 +200,25 @@ where
     L: ClosedLoop<R>,
 {
     let references = plan.scenario.references::<R>();
-    let disturbances = plan.scenario.disturbances::<R>(plan.seed);
+    let more_than_volts = plan.scenario.is_more_than_volts();
     let steps = plan.scenario.steps(plan.initial);
     let limit = plan.settings.volts_limit.cast();
     let mut metrics = Metrics::new(plan.scenario.last_tick(), steps, limit);
     let mut rows = Vec::with_capacity(references.len());
     let mut board = closed_loop.arm_state().map(|_| BoardState::ARMED);
     let mut left_envelope = None;
-    for (tick, (reference, disturbance)) in (0_u32..).zip(references.iter().zip(&disturbances)) {
-        let happened = closed_loop.tick(reference, *disturbance);
-        let row = row(tick, &happened, *disturbance);
+    if plan.scenario.start.hot {
+        warm::warm_up(plan, &mut closed_loop)?;
+    }
+    for (tick, (reference, now)) in (0_u32..).zip(references.iter().zip(plan.scenario.befalls(plan.seed))) {
+        if more_than_volts {
+            closed_loop.befall(&now);
+        }
+        if let Some(change) = &now.change {
+            closed_loop.become_plant(&change.of(&plan.truth.plant).map(R::from_f64));
+        }
+        let happened = closed_loop.tick(reference, now.volts.cast());
+        let row = row(tick, &happened, &now);
         let PerAxis { pitch, yaw } = row.state.angle;
         if !(pitch.abs() < DIVERGED && yaw.abs() < DIVERGED) {
             return Err(Error::Failed(format!("the loop diverged {:.3} s after the start", row.time)));
@@ -206,7 +228,7 @@ where
         {
             board = Some(BoardState::cut(cause, tick));
         }
-        if left_envelope.is_none() && !plan.rig.envelope.holds(&row.state) {
+        if left_envelope.is_none() && !plan.truth.envelope.holds(&row.state) {
             left_envelope = Some(Moment::of(tick));
         }
         metrics.add(tick, &happened);
@@ -218,7 +240,7 @@ where
 /// \[rad\] An angle beyond which there is nothing left to control: a hundred turns.
 const DIVERGED: f64 = 628.0;
 
-fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, disturbance: PerMotor<R>) -> Row {
+fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, now: &Now) -> Row {
     let axis = |v: PerAxis<R>| v.map(Into::into);
     let motor = |v: PerMotor<R>| v.map(Into::into);
     Row {
@@ -226,6 +248,10 @@ fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, disturbance: PerMotor
         state: State { angle: axis(happened.state.angle), rate: axis(happened.state.rate) },
         reference: axis(happened.setpoint),
         volts: motor(happened.applied),
-        disturbance: motor(disturbance),
+        disturbance: motor(now.volts.cast::<R>()),
+        load: now.torque,
     }
 }
+
+#[cfg(test)]
+mod tests;
