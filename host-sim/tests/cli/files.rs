@@ -41,6 +41,15 @@ fn links_are_followed_and_what_belongs_to_a_file_stays() {
     assert_eq!(gains("other.toml"), gains("one.toml"), "both names are of one file still");
     assert_eq!(fs::metadata(at("one.toml")).unwrap().nlink(), 2);
 
+    // Only who may give a file away can try this.
+    fs::write(at("theirs.toml"), "theirs").unwrap();
+    if std::os::unix::fs::chown(at("theirs.toml"), Some(65_534), Some(65_534)).is_ok() {
+        assert!(tune(folder.path(), "theirs.toml", &[]).status.success());
+        let theirs = fs::metadata(at("theirs.toml")).unwrap();
+        assert_eq!((theirs.uid(), theirs.gid()), (65_534, 65_534), "its owner stays");
+        assert!(gains("theirs.toml").contains("[provenance]"));
+    }
+
     let small = "tune --horizon 0.1 --population 4 --iterations 0 --json >/dev/null";
     assert_eq!(shell(folder.path(), &format!("umask 077; exec \"$0\" {small} --out private.toml")), Some(0));
     assert_eq!(shell(folder.path(), &format!("umask 002; exec \"$0\" {small} --out shared.toml")), Some(0));

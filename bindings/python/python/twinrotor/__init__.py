@@ -1,0 +1,39 @@
+"""Twinrotor: a two-rotor laboratory helicopter, its controllers and their tuning, with the bits that fly.
+
+Rigs are presets by name (:func:`presets`), paths of preset files, or a :class:`Rig`. Gains are what a
+preset's board boots with (``None``), ``"paper"``, paths of gains files, or :class:`Gains`. Scenarios are
+names, paths of files or TOML text. Angles are in rad, times in s, volts in V.
+
+What is wrong raises ``ValueError`` with field, value and what is allowed.
+"""
+
+from ._board import Bench, Controller, ControlLoop, Fault, Port, SimulatedBoard
+from ._flight import Flight, simulate
+from ._gains import Gains, Rig, Setting, presets, settings
+from ._linear import Linear, linearize
+from ._search import Comparison, Tuned, compare, draw, tune, tune_robust
+
+__all__ = [
+    "Bench",
+    "Comparison",
+    "ControlLoop",
+    "Controller",
+    "Fault",
+    "Flight",
+    "Gains",
+    "Linear",
+    "Port",
+    "Rig",
+    "Setting",
+    "SimulatedBoard",
+    "Tuned",
+    "compare",
+    "draw",
+    "linearize",
+    "presets",
+    "settings",
+    "simulate",
+    "tune",
+    "tune_robust",
+]
+__version__ = "0.1.0"

@@ -1,0 +1,77 @@
+//! One flight.
+
+use crate::parts::{gains_of, json, named_rig, raised, scenario_of, word};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Serialize;
+use twinrotor::axes::PerAxis;
+use twinrotor_sim::flight::{self, BoardState, Fidelity, Flight, Moment, Plan, Reading, Scalar};
+use twinrotor_sim::metrics::Report;
+
+pub(crate) const FIDELITIES: [(&str, Fidelity); 2] = [("ideal", Fidelity::Ideal), ("rig", Fidelity::Rig)];
+const SCALARS: [(&str, Scalar); 2] = [("f32", Scalar::F32), ("f64", Scalar::F64)];
+
+/// What is said of a flight: the same as `host-sim simulate --json` says.
+#[derive(Serialize)]
+struct Document {
+    #[serde(flatten)]
+    report: Report,
+    board: Option<BoardState>,
+    left_envelope: Option<Moment>,
+}
+
+/// The columns, SI units, with the names of `host-sim simulate --csv`.
+const COLUMNS: [(&str, Reading); 11] = [
+    ("t", |r| (r.time * 1e6).round() / 1e6),
+    ("theta", |r| r.state.angle.pitch),
+    ("theta_dot", |r| r.state.rate.pitch),
+    ("psi", |r| r.state.angle.yaw),
+    ("psi_dot", |r| r.state.rate.yaw),
+    ("theta_ref", |r| r.reference.pitch),
+    ("psi_ref", |r| r.reference.yaw),
+    ("v_main", |r| r.volts.main),
+    ("v_tail", |r| r.volts.tail),
+    ("dist_main", |r| r.disturbance.main),
+    ("dist_tail", |r| r.disturbance.tail),
+];
+
+/// Flies a scenario: its columns and its report.
+#[pyfunction]
+#[pyo3(signature = (preset, gains, scenario, fidelity, scalar, seed, initial, duration))]
+#[expect(clippy::too_many_arguments, reason = "Python gives them their names")]
+pub(crate) fn simulate<'py>(
+    py: Python<'py>,
+    preset: &str,
+    gains: Option<&str>,
+    scenario: &str,
+    fidelity: &str,
+    scalar: &str,
+    seed: u64,
+    initial: [f64; 2],
+    duration: Option<f64>,
+) -> PyResult<(Bound<'py, PyDict>, String)> {
+    let named = named_rig(preset)?;
+    let settings = gains_of(gains, &named)?.settings(&named.rig);
+    let mut scenario = scenario_of(scenario)?;
+    if let Some(duration) = duration {
+        scenario.duration = duration;
+    }
+    scenario.validate().map_err(|error| raised(&error))?;
+    let (fidelity, scalar) = (word("fidelity", fidelity, &FIDELITIES)?, word("scalar", scalar, &SCALARS)?);
+    let [pitch, yaw] = initial;
+    let initial = PerAxis::new(pitch, yaw);
+    let flown: Flight = py
+        .detach(|| {
+            let plan =
+                Plan { rig: &named.rig, settings: &settings, scenario: &scenario, initial, fidelity, seed };
+            flight::fly(&plan, scalar)
+        })
+        .map_err(|error| raised(&error))?;
+    let columns = PyDict::new(py);
+    for (name, of) in COLUMNS {
+        columns.set_item(name, PyArray1::from_iter(py, flown.rows.iter().map(of)))?;
+    }
+    let Flight { report, board, left_envelope, .. } = flown;
+    Ok((columns, json(&Document { report, board, left_envelope })?))
+}

@@ -1,0 +1,29 @@
+//! `twinrotor._native`: the engine as Python calls it. Text and numbers come in, arrays and JSON go out; what
+//! is pleasant to use of it is written in Python, in `python/twinrotor`.
+
+mod board;
+mod comparison;
+mod flight;
+mod linear;
+mod parts;
+mod search;
+mod settings;
+
+/// The engine.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::board::{Bench, ControlLoop, SimulatedBoard};
+    #[pymodule_export]
+    use crate::comparison::{compare, draw};
+    #[pymodule_export]
+    use crate::flight::simulate;
+    #[pymodule_export]
+    use crate::linear::linearize;
+    #[pymodule_export]
+    use crate::parts::{gains_file, preset_names, rig_file};
+    #[pymodule_export]
+    use crate::search::{tune, tune_robust};
+    #[pymodule_export]
+    use crate::settings::settings;
+}

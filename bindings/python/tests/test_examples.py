@@ -1,0 +1,43 @@
+"""The examples, short, and what they show."""
+
+import importlib
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+
+
+@pytest.fixture(autouse=True)
+def _examples(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+
+
+def example(name: str) -> Any:
+    sys.modules.pop(name, None)
+    return importlib.import_module(name)
+
+
+def test_the_boards_controller_holds_against_a_disturbance_that_plain_feedback_does_not() -> None:
+    found = example("own_controller").compare(3)
+    assert found["the board's"][0] < 0.2 < found["state feedback"][0]
+    assert found["the board's"][1] == found["state feedback"][1] == 0
+
+
+def test_a_policy_is_learned_and_ranked() -> None:
+    learning = example("learn_policy")
+    found = learning.rank(learning.learn(8), plants=4)
+    assert found["learned"] > found["zero volts"]
+
+
+def test_the_readmes_lines_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = (EXAMPLES.parent / "README.md").read_text()
+    blocks = [block.split("```")[0] for block in text.split("```python\n")[1:]]
+    assert len(blocks) >= 4
+    names: dict[str, Any] = {}
+    for block in blocks:
+        exec(compile(block, "README.md", "exec"), names)
+    assert (tmp_path / "gains.toml").exists()

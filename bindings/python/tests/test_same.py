@@ -1,0 +1,87 @@
+"""What Python computes is what the command line computes, to the last bit."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import twinrotor as tr
+from conftest import ROOT, columns
+
+Run = Callable[..., Path]
+
+
+@pytest.mark.parametrize(
+    ("preset", "gains", "scenario", "fidelity", "seed"),
+    [
+        ("paper", "paper", "step", "ideal", 1),
+        ("paper", "paper", "3", "rig", 7),
+        ("aero2", str(ROOT / "gains" / "aero2.toml"), "2", "rig", 1),
+        ("heli", str(ROOT / "gains" / "heli.toml"), str(ROOT / "scenarios" / "reversals.toml"), "rig", 2),
+    ],
+)
+def test_a_flight(host_sim: Run, preset: str, gains: str, scenario: str, fidelity: str, seed: int) -> None:
+    flags = f"simulate --preset {preset} --gains {gains} --scenario {scenario} --fidelity {fidelity}"
+    folder = host_sim(*flags.split(), "--seed", str(seed), "--csv", "flight.csv", "--json")
+    flown = tr.simulate(preset, gains, scenario, fidelity=fidelity, seed=seed)  # type: ignore[arg-type]
+    written = columns(folder / "flight.csv")
+    assert list(written) == list(flown.columns)
+    for name, column in written.items():
+        assert np.array_equal(flown[name], column), name
+    document = json.loads((folder / "stdout").read_text())
+    assert {name: document[name] for name in flown.report} == flown.report
+
+
+@pytest.mark.parametrize(("algorithm", "seed"), [("fpa-paper", 1), ("fpa-adaptive", 5), ("cmaes", 2)])
+def test_gains_of_a_search(host_sim: Run, algorithm: str, seed: int) -> None:
+    folder = host_sim("tune", "--algorithm", algorithm, "--seed", str(seed), "--iterations", "6")
+    tuned = tr.tune(algorithm=algorithm, seed=seed, iterations=6)
+    assert tuned.gains.toml == (folder / "gains.toml").read_text()
+    assert tuned.history[-1][1] == tuned.cost
+
+
+def test_gains_of_a_robust_search(host_sim: Run) -> None:
+    flags = (
+        "tune --preset aero2 --objective robust --plants 4 --rounds 2 --population 6 --iterations 2 --seed 3"
+    )
+    folder = host_sim(*flags.split(), "--at-most", "overshoot_p95.yaw=2")
+    tuned = tr.tune_robust(
+        "aero2", plants=4, rounds=2, population=6, iterations=2, seed=3, at_most={"overshoot_p95.yaw": 2}
+    )
+    assert tuned.gains.toml == (folder / "gains.toml").read_text()
+
+
+def test_a_comparison(host_sim: Run) -> None:
+    flags = "compare --preset aero2 --plants 24 --seed 4 --controllers paper --json"
+    folder = host_sim(*flags.split(), "--gains", str(ROOT / "gains"))
+    rows = {row["name"]: row for row in json.loads((folder / "stdout").read_text())["controllers"]}
+    found = tr.compare("aero2", {"ours": None, "paper": "paper"}, plants=24, seed=4)
+    for name, comparison in found.items():
+        for number in ("failures", "J", "cost", "settling_p95", "hold_rms_deg", "p_value"):
+            assert comparison.row[number] == rows[name][number], (name, number)
+    costs = found["ours"].costs
+    assert costs.shape == (24,)
+    assert np.isclose(found["ours"].total, costs.mean() + 0.5 * np.quantile(costs, 0.9))
+
+
+def test_presets_gains_and_settings_are_the_engines() -> None:
+    assert set(tr.presets()) == {"paper", "paper-fixed", "aero", "aero2", "aero-lab", "heli"}
+    own = tr.Gains.of_preset("aero2").values
+    file = tr.Gains.load(ROOT / "gains" / "aero2.toml").values
+    assert {k: v for k, v in file.items() if k != "provenance"} == own
+    # Its text is a rig as well as its name is.
+    rig = tr.Rig.of("aero2")
+    assert tr.Rig(name="mine", toml=rig.toml).constants == rig.constants
+    table = (ROOT / "docs" / "settings.md").read_text()
+    for setting in tr.settings():
+        assert setting.explanation.split(";")[0][:30] in table, setting
+
+
+def test_drawn_rigs_are_the_objectives() -> None:
+    drawn = tr.draw("aero2", 3, seed=9)
+    again = tr.draw("aero2", 2, seed=9)
+    assert [rig.toml for rig in drawn[:2]] == [rig.toml for rig in again]
+    nominal = tr.Rig.of("aero2").constants["plant"]["inertia"]["pitch"]
+    factors = [rig.constants["plant"]["inertia"]["pitch"] / nominal for rig in drawn]
+    assert all(0.7 <= factor <= 1.3 for factor in factors) and len(set(factors)) == 3
