@@ -178,20 +178,15 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
     }
 }
 
-/// The rig's world with the control loop that the firmware runs, counters that wrap included.
+/// The control loop that the firmware runs, ready to be armed where the rig is.
 #[derive(Debug, Clone, Copy)]
-pub struct BoardLoop {
-    bench: Bench<f32>,
-    /// \[V\] As it should be.
-    supply: f32,
-    control: ControlLoop,
-}
+pub struct ReadyBoard(ControlLoop);
 
-impl BoardLoop {
-    /// As [`RigLoop::new`]: zeroed where it stands, and to be armed by the first tick. Its envelope is as
-    /// wide as it goes, and its reference jumps to the first setpoint instead of approaching it.
-    pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
-        let bench = Bench::new(plant, hardware);
+impl ReadyBoard {
+    /// For encoders that show `counters` \[counts\] and a supply \[V\]: zeroed there, and to be armed by the first
+    /// tick. Its envelope is as wide as it goes, and its reference jumps to the first setpoint instead of
+    /// approaching it.
+    pub fn new(hardware: &Hardware, settings: &Settings<f32>, bench: &Bench<f32>) -> Self {
         let parameters = Parameters {
             settings: *settings,
             encoders: hardware.believed_counts.zip(bench.position(), |counts_per_turn, rest_counts| {
@@ -210,43 +205,71 @@ impl BoardLoop {
             checked: true,
         };
         let drive = Drive::new(hardware.pwm_steps);
-        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-        let mut board = Self { bench, supply: bench.supply, control };
+        let (counters, supply) = (bench.counters(), bench.supply);
+        let mut board = Self(ControlLoop::new(&parameters, CounterWidth::Bits16, counters, drive, None));
         for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
-            board.step(None);
+            board.step(counters, supply, None);
         }
-        board.step(Some(OperatorCommand::Zero));
-        board.step(None);
+        board.step(counters, supply, Some(OperatorCommand::Zero));
+        board.step(counters, supply, None);
         board
+    }
+
+    /// The tick that the firmware does; the first one arms.
+    pub fn tick(&mut self, counters: PerAxis<u32>, supply: f32, reference: &Reference<f32>) -> Outputs {
+        let mut setpoint = Some(OperatorCommand::Setpoint(*reference));
+        if self.0.state() == ArmState::Ready {
+            self.step(counters, supply, setpoint.take());
+            setpoint = Some(OperatorCommand::Request(Request::Arm));
+        }
+        self.step(counters, supply, setpoint)
+    }
+
+    /// What flies.
+    pub fn control(&self) -> &ControlLoop {
+        &self.0
+    }
+
+    fn step(&mut self, counters: PerAxis<u32>, supply: f32, command: Option<OperatorCommand>) -> Outputs {
+        self.0.tick(&Inputs {
+            command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
+            ..Inputs::sound(counters, supply)
+        })
+    }
+}
+
+/// The rig's world with the control loop that the firmware runs, counters that wrap included.
+#[derive(Debug, Clone, Copy)]
+pub struct BoardLoop {
+    /// The rig.
+    pub bench: Bench<f32>,
+    /// \[V\] As it should be.
+    supply: f32,
+    /// Its board.
+    pub board: ReadyBoard,
+}
+
+impl BoardLoop {
+    /// As [`RigLoop::new`], with a [`ReadyBoard`].
+    pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
+        let bench = Bench::new(plant, hardware);
+        Self { bench, supply: bench.supply, board: ReadyBoard::new(hardware, settings, &bench) }
     }
 
     /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that
     /// for good.
     pub fn is_armed(&self) -> bool {
-        self.control.state() == ArmState::Armed
-    }
-
-    /// The board's tick; the plant stands still.
-    fn step(&mut self, command: Option<OperatorCommand>) -> Outputs {
-        self.control.tick(&Inputs {
-            command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
-            ..Inputs::sound(self.bench.counters(), self.bench.supply)
-        })
+        self.board.control().state() == ArmState::Armed
     }
 }
 
 impl ClosedLoop<f32> for BoardLoop {
     fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
         let state = self.bench.state();
-        let mut setpoint = Some(OperatorCommand::Setpoint(*reference));
-        if self.control.state() == ArmState::Ready {
-            self.step(setpoint.take());
-            setpoint = Some(OperatorCommand::Request(Request::Arm));
-        }
-        let outputs = self.step(setpoint);
+        let outputs = self.board.tick(self.bench.counters(), self.bench.supply, reference);
         self.bench.disturbance = disturbance;
         let applied = self.bench.tick(outputs.duty, outputs.enable);
-        Tick { state, setpoint: reference.angle, decision: *self.control.decision(), applied }
+        Tick { state, setpoint: reference.angle, decision: *self.board.control().decision(), applied }
     }
 
     fn befall(&mut self, now: &Now) {
@@ -260,6 +283,6 @@ impl ClosedLoop<f32> for BoardLoop {
     }
 
     fn arm_state(&self) -> Option<ArmState> {
-        Some(self.control.state())
+        Some(self.board.control().state())
     }
 }

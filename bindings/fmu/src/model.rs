@@ -1,0 +1,241 @@
+//! What a unit holds, and a tick of it.
+
+use crate::design::{Design, What};
+use crate::variables::{Place, Variable, variables};
+use std::sync::Arc;
+use twinrotor::SAMPLE_TIME;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::Bench;
+use twinrotor::plant::State;
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::ArmState;
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, ReadyBoard};
+use twinrotor_sim::flight::{self, Fidelity, Plan};
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, Outcome};
+
+/// The simulation's own draw of where between two counts the encoders begin: that of `--seed 1`.
+const SEED: u64 = 1;
+/// Inputs that any unit has at most.
+const INPUTS: usize = 5;
+
+/// What is stepped.
+#[derive(Debug, Clone, Copy)]
+enum Machine {
+    Plant(Bench<f32>),
+    Controller(ReadyBoard),
+    Loop(BoardLoop),
+}
+
+/// A unit at work. Its copies go on on their own: what a master takes and sets back.
+#[derive(Debug, Clone)]
+pub struct Model {
+    design: Arc<Design>,
+    variables: Arc<Vec<Variable>>,
+    machine: Machine,
+    inputs: [f64; INPUTS],
+    /// \[V\] What the amplifiers give, of a board.
+    volts: PerMotor<f32>,
+    ticks: u64,
+    begun: bool,
+}
+
+impl Model {
+    /// At rest in mid-air, as `host-sim simulate` begins.
+    ///
+    /// # Errors
+    ///
+    /// If the design's controller is none.
+    pub fn new(design: Design) -> Outcome<Self> {
+        let all = variables(&design);
+        let mut inputs = [0.0; INPUTS];
+        for variable in &all {
+            if let (Place::Input(k), Some(start)) = (variable.place, variable.start) {
+                inputs[k] = start;
+            }
+        }
+        let machine = machine(&design)?;
+        Ok(Self {
+            design: Arc::new(design),
+            variables: Arc::new(all),
+            machine,
+            inputs,
+            volts: PerMotor::zero(),
+            ticks: 0,
+            begun: false,
+        })
+    }
+
+    /// What it is of.
+    pub fn design(&self) -> &Design {
+        &self.design
+    }
+
+    /// \[s\] That have been simulated.
+    #[expect(clippy::cast_precision_loss, reason = "285,000 years of milliseconds are exact")]
+    pub fn time(&self) -> f64 {
+        self.ticks as f64 * SAMPLE_TIME
+    }
+
+    /// The simulation begins: parameters stay as they are from now on.
+    pub fn begin(&mut self) {
+        self.begun = true;
+    }
+
+    /// A variable's value.
+    ///
+    /// # Errors
+    ///
+    /// If there is none of that reference.
+    pub fn get(&self, reference: u32) -> Outcome<f64> {
+        Ok(match self.variable(reference)?.place {
+            Place::Input(k) => self.inputs[k],
+            Place::Output(of) => of(self),
+            Place::Setting(field) => self.design.gains.controller.get(field.name).unwrap_or_default(),
+        })
+    }
+
+    /// Sets an input, or a parameter before the simulation begins.
+    ///
+    /// # Errors
+    ///
+    /// If it is not one of them, or not what it may be; then nothing has changed.
+    pub fn set(&mut self, reference: u32, value: f64) -> Outcome<()> {
+        let variables = Arc::clone(&self.variables);
+        let variable = lookup(&variables, reference)?;
+        match variable.place {
+            Place::Input(k) => {
+                if !value.is_finite() {
+                    return Err(Error::invalid(&variable.name, value, "a finite number"));
+                }
+                self.inputs[k] = value;
+                Ok(())
+            }
+            Place::Output(_) => Err(Error::invalid(&variable.name, value, "reading: it is an output")),
+            Place::Setting(_) if self.begun => {
+                Err(Error::invalid(&variable.name, value, "setting it before the simulation begins"))
+            }
+            Place::Setting(field) => {
+                let mut design = (*self.design).clone();
+                design.gains.controller.set(field.name, value)?;
+                design.gains.controller.validate()?;
+                self.machine = machine(&design)?;
+                self.design = Arc::new(design);
+                Ok(())
+            }
+        }
+    }
+
+    fn variable(&self, reference: u32) -> Outcome<&Variable> {
+        lookup(&self.variables, reference)
+    }
+
+    /// Steps from `from` for `size` \[s\], inputs held.
+    ///
+    /// # Errors
+    ///
+    /// If it does not stand there, or the size is no multiple of a tick.
+    pub fn step(&mut self, from: f64, size: f64) -> Outcome<()> {
+        // A master's sum of steps is off by its rounding.
+        if !((from - self.time()).abs() <= 1e-6 * SAMPLE_TIME.max(from.abs())) {
+            return Err(Error::invalid("communication point", from, format!("{} s", self.time())));
+        }
+        let ticks = (size / SAMPLE_TIME).round();
+        let is_multiple = (size - ticks * SAMPLE_TIME).abs() <= 1e-6 * SAMPLE_TIME;
+        if !(is_multiple && (1.0..=1e9).contains(&ticks)) {
+            return Err(Error::invalid("communication step size", size, "a multiple of 0.001 s"));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 1 to 1e9")]
+        for _ in 0..ticks as u64 {
+            self.tick();
+        }
+        Ok(())
+    }
+
+    fn tick(&mut self) {
+        #[expect(clippy::cast_possible_truncation, reason = "finite, and f32 is what flies")]
+        let [a, b, c, d, e] = self.inputs.map(|x| x as f32);
+        match &mut self.machine {
+            Machine::Plant(bench) => {
+                bench.disturbance = PerMotor::new(c, d);
+                bench.advance(PerMotor::new(a, b), true);
+            }
+            Machine::Controller(board) => {
+                let counters = PerAxis::new(self.inputs[2], self.inputs[3]).map(counter);
+                let outputs = board.tick(counters, e, &Reference::at_rest(PerAxis::new(a, b)));
+                let given = board.control().frame().volts;
+                self.volts = if outputs.enable { given } else { PerMotor::zero() };
+            }
+            Machine::Loop(both) => {
+                let setpoint = Reference::at_rest(PerAxis::new(a, b));
+                self.volts = both.tick(&setpoint, PerMotor::new(c, d)).applied;
+            }
+        }
+        self.ticks += 1;
+    }
+
+    fn bench(&self) -> Option<&Bench<f32>> {
+        match &self.machine {
+            Machine::Plant(bench) => Some(bench),
+            Machine::Loop(both) => Some(&both.bench),
+            Machine::Controller(_) => None,
+        }
+    }
+
+    pub(crate) fn state(&self) -> State<f32> {
+        self.bench().map_or_else(|| State::at_rest(PerAxis::zero()), Bench::state)
+    }
+
+    pub(crate) fn counts(&self) -> PerAxis<i32> {
+        self.bench().map_or_else(|| PerAxis::both(0), Bench::counted)
+    }
+
+    pub(crate) fn supply(&self) -> f64 {
+        self.bench().map_or(0.0, |bench| bench.supply.into())
+    }
+
+    pub(crate) fn volts(&self) -> PerMotor<f32> {
+        self.volts
+    }
+
+    pub(crate) fn is_armed(&self) -> bool {
+        match &self.machine {
+            Machine::Plant(_) => false,
+            Machine::Controller(board) => board.control().state() == ArmState::Armed,
+            Machine::Loop(both) => both.is_armed(),
+        }
+    }
+}
+
+fn lookup(variables: &[Variable], reference: u32) -> Outcome<&Variable> {
+    let found = usize::try_from(reference).ok().and_then(|k| variables.get(k));
+    found.ok_or_else(|| {
+        Error::invalid("value reference", reference, format!("0 to {}", variables.len().saturating_sub(1)))
+    })
+}
+
+/// What a counter of 16 bits shows of a count.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counters wrap")]
+fn counter(count: f64) -> u32 {
+    count.rem_euclid(65_536.0) as u32
+}
+
+fn machine(design: &Design) -> Outcome<Machine> {
+    let rig = &design.named.rig;
+    let settings = design.gains.settings(rig);
+    let scenario = Scenario::named("step")?;
+    let both = flight::board_loop(&Plan {
+        rig,
+        truth: rig,
+        settings: &settings,
+        scenario: &scenario,
+        initial: PerAxis::zero(),
+        fidelity: Fidelity::Rig,
+        seed: SEED,
+    });
+    Ok(match design.what {
+        What::Plant => Machine::Plant(both.bench),
+        What::Controller => Machine::Controller(both.board),
+        What::Loop => Machine::Loop(both),
+    })
+}
