@@ -1,5 +1,5 @@
-//! The C functions of FMI 2.0.4 for co-simulation (`fmi2FunctionTypes.h`): pointers in, statuses out. Nothing is
-//! decided here: every function finds its unit and asks [`Model`]. No panic crosses the border.
+//! The C functions of FMI 2.0.4 for co-simulation (`fmi2FunctionTypes.h`): pointers in, statuses out. Nothing
+//! is decided here: every function finds its unit and asks [`Model`]. No panic crosses the border.
 
 #![allow(unsafe_code, reason = "the standard is an interface of C")]
 #![allow(non_snake_case, reason = "the standard's names")]
@@ -356,7 +356,12 @@ macro_rules! empty {
     ($($name:ident($($argument:ident: $type:ty),*);)+) => {$(
         #[doc = "See FMI 2.0.4, 2.1.7: a unit has no such variables."]
         #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(instance: *mut c_void, _references: *const u32, count: usize, $($argument: $type),*) -> Status {
+        pub unsafe extern "C" fn $name(
+            instance: *mut c_void,
+            _references: *const u32,
+            count: usize,
+            $($argument: $type),*
+        ) -> Status {
             $(let _ = $argument;)*
             let told = || concat!(stringify!($name), ": all variables of this unit are real").to_owned();
             // SAFETY: see `with`.
@@ -381,7 +386,8 @@ none_of! {
     fmi2SerializeFMUstate(state: *mut c_void, bytes: *mut c_char, size: usize) -> ERROR;
     fmi2DeSerializeFMUstate(bytes: *const c_char, size: usize, state: *mut *mut c_void) -> ERROR;
     fmi2GetDirectionalDerivative(
-        unknown: *const u32, unknowns: usize, known: *const u32, knowns: usize, seed: *const f64, values: *mut f64
+        unknown: *const u32, unknowns: usize, known: *const u32, knowns: usize, seed: *const f64,
+        values: *mut f64
     ) -> ERROR;
     fmi2CancelStep() -> ERROR;
     fmi2GetStatus(kind: c_int, value: *mut Status) -> DISCARD;

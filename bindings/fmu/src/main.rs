@@ -10,8 +10,8 @@ use twinrotor_sim::{Error, Outcome};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A rig, its board, or both, as a functional mock-up unit (FMI 2.0, co-simulation) for Simulink, OpenModelica
-/// and the like.
+/// A rig, its board, or both, as a functional mock-up unit (FMI 2.0, co-simulation) for Simulink,
+/// OpenModelica and the like.
 #[derive(Debug, Parser)]
 #[command(name = "fmu", version)]
 struct Args {
