@@ -63,8 +63,9 @@ pub(crate) fn simulate<'py>(
     let initial = PerAxis::new(pitch, yaw);
     let flown: Flight = py
         .detach(|| {
+            let rig = &named.rig;
             let plan =
-                Plan { rig: &named.rig, settings: &settings, scenario: &scenario, initial, fidelity, seed };
+                Plan { rig, truth: rig, settings: &settings, scenario: &scenario, initial, fidelity, seed };
             flight::fly(&plan, scalar)
         })
         .map_err(|error| raised(&error))?;
