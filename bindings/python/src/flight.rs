@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
 use twinrotor::axes::PerAxis;
+use twinrotor_sim::Error;
 use twinrotor_sim::flight::{self, BoardState, Fidelity, Flight, Moment, Plan, Reading, Scalar};
 use twinrotor_sim::metrics::Report;
 
@@ -38,7 +39,7 @@ const COLUMNS: [(&str, Reading); 11] = [
 
 /// Flies a scenario: its columns and its report.
 #[pyfunction]
-#[pyo3(signature = (preset, gains, scenario, fidelity, scalar, seed, initial, duration))]
+#[pyo3(signature = (preset, gains, scenario, fidelity, scalar, seed, initial, duration, true_rig))]
 #[expect(clippy::too_many_arguments, reason = "Python gives them their names")]
 pub(crate) fn simulate<'py>(
     py: Python<'py>,
@@ -48,8 +49,9 @@ pub(crate) fn simulate<'py>(
     fidelity: &str,
     scalar: &str,
     seed: u64,
-    initial: [f64; 2],
+    initial: Option<[f64; 2]>,
     duration: Option<f64>,
+    true_rig: Option<&str>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
     let named = named_rig(preset)?;
     let settings = gains_of(gains, &named)?.settings(&named.rig);
@@ -59,13 +61,23 @@ pub(crate) fn simulate<'py>(
     }
     scenario.validate().map_err(|error| raised(&error))?;
     let (fidelity, scalar) = (word("fidelity", fidelity, &FIDELITIES)?, word("scalar", scalar, &SCALARS)?);
-    let [pitch, yaw] = initial;
-    let initial = PerAxis::new(pitch, yaw);
+    if let (Fidelity::Ideal, Some(what)) = (fidelity, scenario.of_the_rigs_world()) {
+        return Err(raised(&Error::invalid("fidelity", "ideal", format!("rig: the scenario has {what}"))));
+    }
+    let initial = initial.map_or_else(|| scenario.start.angle(), |[pitch, yaw]| PerAxis::new(pitch, yaw));
+    let truth = true_rig.map(named_rig).transpose()?.map_or(named.rig, |true_rig| true_rig.rig);
     let flown: Flight = py
         .detach(|| {
             let rig = &named.rig;
-            let plan =
-                Plan { rig, truth: rig, settings: &settings, scenario: &scenario, initial, fidelity, seed };
+            let plan = Plan {
+                rig,
+                truth: &truth,
+                settings: &settings,
+                scenario: &scenario,
+                initial,
+                fidelity,
+                seed,
+            };
             flight::fly(&plan, scalar)
         })
         .map_err(|error| raised(&error))?;

@@ -18,6 +18,7 @@ Run = Callable[..., Path]
         ("paper", "paper", "step", "ideal", 1),
         ("paper", "paper", "3", "rig", 7),
         ("aero2", str(ROOT / "gains" / "aero2.toml"), "2", "rig", 1),
+        ("aero2", str(ROOT / "gains" / "aero2.toml"), str(ROOT / "scenarios" / "gusts.toml"), "rig", 3),
         ("heli", str(ROOT / "gains" / "heli.toml"), str(ROOT / "scenarios" / "reversals.toml"), "rig", 2),
     ],
 )
@@ -31,6 +32,17 @@ def test_a_flight(host_sim: Run, preset: str, gains: str, scenario: str, fidelit
         assert np.array_equal(flown[name], column), name
     document = json.loads((folder / "stdout").read_text())
     assert {name: document[name] for name in flown.report} == flown.report
+
+
+def test_a_flight_of_another_rig_than_is_believed(host_sim: Run, tmp_path: Path) -> None:
+    truth = tr.draw("aero2", 1, seed=5)[0]
+    truth.save(tmp_path / "truth.toml")
+    gains = str(ROOT / "gains" / "aero2.toml")
+    flags = f"simulate --preset aero2 --gains {gains} --fidelity rig --true-rig {tmp_path}/truth.toml"
+    folder = host_sim(*flags.split(), "--csv", "flight.csv")
+    flown = tr.simulate("aero2", gains, fidelity="rig", true_rig=truth)
+    assert np.array_equal(flown["theta"], columns(folder / "flight.csv")["theta"])
+    assert not np.array_equal(flown["theta"], tr.simulate("aero2", gains, fidelity="rig")["theta"])
 
 
 @pytest.mark.parametrize(("algorithm", "seed"), [("fpa-paper", 1), ("fpa-adaptive", 5), ("cmaes", 2)])

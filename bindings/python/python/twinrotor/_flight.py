@@ -56,15 +56,17 @@ def simulate(
     fidelity: Fidelity = "ideal",
     scalar: Literal["f32", "f64"] = "f32",
     seed: int = 1,
-    initial: tuple[float, float] = (0.0, 0.0),
+    initial: tuple[float, float] | None = None,
     duration: float | None = None,
+    true_rig: RigLike | None = None,
 ) -> Flight:
     """Flies a scenario, as ``host-sim simulate`` does: the same numbers to the last bit.
 
     :param gains: ``None`` for what the preset's board boots with.
     :param fidelity: the paper's world, or the rig's with encoders, rotor lag, delay and PWM steps.
-    :param initial: rad of pitch and yaw, at rest.
+    :param initial: rad of pitch and yaw, instead of the scenario's start.
     :param duration: s, instead of the scenario's.
+    :param true_rig: what is flown, where the controller believes in another, ``preset``.
     :raises ValueError: if an argument is not what it may be.
     :raises RuntimeError: if the loop diverges.
     """
@@ -77,5 +79,6 @@ def simulate(
         seed,
         initial,
         duration,
+        None if true_rig is None else rig_text(true_rig),
     )
     return Flight(columns, json.loads(report))

@@ -18,8 +18,9 @@ def simulate(
     fidelity: str,
     scalar: str,
     seed: int,
-    initial: tuple[float, float],
+    initial: tuple[float, float] | None,
     duration: float | None,
+    true_rig: str | None,
 ) -> tuple[dict[str, Array], str]: ...
 def tune(
     preset: str,
