@@ -7,9 +7,13 @@
 
 mod encoders;
 mod faults;
+mod injection;
+mod simulated_rig;
 
 pub use encoders::{Encoders, Hardware};
 pub use faults::Faults;
+pub use injection::Injection;
+pub use simulated_rig::SimulatedRig;
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::drive::{Drive, Duty};

@@ -20,6 +20,7 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Request};
 
@@ -170,6 +171,7 @@ impl BoardLoop {
                 check: PerMotor::both(Push::default()),
             },
             checked: true,
+            port: RigPort::Pwm,
         };
         let drive = Drive::new(hardware.pwm_steps);
         let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);

@@ -5,8 +5,7 @@
 //! where it was zeroed, through the same loop and the same bench.
 
 use std::collections::BTreeMap;
-use twinrotor::SAMPLE_TIME;
-use twinrotor::bench::Bench;
+use twinrotor::bench::SimulatedRig;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
@@ -14,7 +13,7 @@ use twinrotor::first_power::REST_TICKS;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::Rig;
 use twinrotor::sequence::{Numbered, Sequence};
-use twinrotor::supervisor::{ArmState, Request};
+use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::telemetry::Frame;
 use twinrotor::trial::{Attempt, Candidate};
 use twinrotor_sim::{Error, Outcome};
@@ -75,7 +74,7 @@ fn taken(frames: &[Frame]) -> BTreeMap<u32, Sequence> {
 
 /// The board's loop with its rig.
 struct Host {
-    bench: Bench<f32>,
+    rig: SimulatedRig,
     control: ControlLoop,
     candidate: Option<Candidate>,
 }
@@ -83,13 +82,13 @@ struct Host {
 impl Host {
     /// Has lain at rest for long enough to be zeroed.
     fn at_rest(rig: &Rig, parameters: &Parameters, supply: f32) -> Self {
-        let mut bench = Bench::at_rest(rig, SAMPLE_TIME);
-        bench.supply = supply;
-        bench.hold();
         let drive = Drive::new(rig.pwm_steps);
+        let mut rig = SimulatedRig::new(rig);
+        rig.bench.supply = supply;
+        rig.bench.hold();
         let parameters = Parameters { checked: true, ..*parameters };
-        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-        let mut host = Self { bench, control, candidate: None };
+        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, rig.counters(), drive, None);
+        let mut host = Self { rig, control, candidate: None };
         (0..2 * REST_TICKS).for_each(|_| host.tick(None));
         host
     }
@@ -98,9 +97,14 @@ impl Host {
         let outputs = self.control.tick(&Inputs {
             trial: self.candidate.as_ref(),
             command,
-            ..Inputs::sound(self.bench.counters(), self.bench.supply)
+            current_limit: self.rig.current_limit(),
+            senses: Conditions::NONE.with(Condition::EmergencyStop, self.rig.emergency_stop()),
+            ..Inputs::sound(self.rig.counters(), self.rig.supply())
         });
-        self.bench.tick(outputs.duty, outputs.enable);
+        if let Some(Numbered { message: OperatorCommand::Inject(injection), .. }) = command {
+            self.rig.inject(injection);
+        }
+        self.rig.tick(outputs.duty, self.control.state());
     }
 }
 

@@ -6,12 +6,14 @@ use crate::differences::differences;
 use crate::words;
 use std::time::Duration;
 use twinrotor::axes::PerAxis;
+use twinrotor::bench::Injection;
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::{REST_TICKS, SETTLE_TICKS, Verdict};
-use twinrotor::link::{self, Identity, ToBoard};
+use twinrotor::link::{self, Identity, Refusal, ToBoard};
 use twinrotor::parameters::{Parameters, Provenance};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::rig_port::RigPort;
 use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::telemetry::Frame;
 
@@ -58,7 +60,13 @@ impl Session {
         }
         self.step(
             "found",
-            format!("{} with firmware {}, link version {}", identity.chip, identity.firmware, link::VERSION),
+            format!(
+                "{} with firmware {}, link version {}{}",
+                identity.chip,
+                identity.firmware,
+                link::VERSION,
+                if identity.port == RigPort::Simulated { "; it simulates its rig" } else { "" }
+            ),
         );
         if let Some(report) = &identity.reset {
             self.step("reset", words::reset(report));
@@ -76,8 +84,14 @@ impl Session {
         if let Some(told) = provenance {
             self.step("flash", told);
         }
+        // What the wiring's check found at another kind of rig counts for nothing here.
+        self.plan.parameters = self.plan.parameters.at_port(identity.port);
+        let simulates = identity.port == RigPort::Simulated;
         self.identity = Some(identity);
         self.heard = self.clock.now();
+        if !simulates && !self.plan.injections.is_empty() {
+            return self.trouble(words::refusal(&Refusal::NotSimulated));
+        }
         self.client.send(&ToBoard::Telemetry { every: self.plan.frame_every });
         self.phase = Phase::Looking;
     }
@@ -127,10 +141,22 @@ impl Session {
             }
             ArmState::Fault(cause) => {
                 self.step("fault", words::condition(cause));
+                self.lay_down();
                 self.command(OperatorCommand::Request(Request::ClearFault));
                 self.phase = Phase::Clearing { until: self.clock.now() + PROMPT };
             }
-            ArmState::Disarmed | ArmState::Ready => self.read(),
+            ArmState::Disarmed | ArmState::Ready => {
+                self.lay_down();
+                self.read();
+            }
+        }
+    }
+
+    /// A rig that the board simulates is laid down in its rest pose, sound: from there its flight can be
+    /// computed once more.
+    fn lay_down(&mut self) {
+        if self.identity.as_ref().is_some_and(|identity| identity.port == RigPort::Simulated) {
+            self.command(OperatorCommand::Inject(Injection::Rest));
         }
     }
 
@@ -227,6 +253,7 @@ impl Session {
 
     fn zero(&mut self) {
         let now = self.clock.now();
+        self.lay_down();
         let first = self.command(OperatorCommand::Zero);
         self.phase = Phase::Zeroing { first, again: now + ZERO_EVERY, until: now + REST };
     }

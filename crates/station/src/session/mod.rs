@@ -248,6 +248,7 @@ impl Session {
             OperatorCommand::Zero => ToBoard::Zero,
             OperatorCommand::Accept => ToBoard::Accept(nonce),
             OperatorCommand::Revert => ToBoard::Revert,
+            OperatorCommand::Inject(injection) => ToBoard::Inject(nonce, injection),
             // What it is about has to be said with it.
             OperatorCommand::Try => return Sequence::default(),
         };

@@ -237,6 +237,7 @@ mod tests {
             write: Write::Never,
             ask: false,
             frame_every: 1,
+            injections: Vec::new(),
             legs: vec![Leg::Fly(vec![Reference::default(); 2_000])],
             save: false,
         };

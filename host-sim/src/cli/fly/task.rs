@@ -112,6 +112,7 @@ pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
         },
         ask: !simulated && !args.yes,
         frame_every: ticks_per_frame(BAUD),
+        injections: Vec::new(),
         legs,
         save: args.save,
     }
