@@ -64,7 +64,8 @@ pub enum OperatorCommand {
     Accept,
     /// To go back to the accepted controller.
     Revert,
-    /// To let this befall a simulated rig, in this tick. The loop leaves it to the port.
+    /// To let this befall a simulated rig, in this tick. The port does it; the loop only forgets, at
+    /// [`Injection::Rest`] with the motors off, what they did before.
     Inject(Injection),
 }
 

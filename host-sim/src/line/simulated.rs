@@ -7,7 +7,7 @@ use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError};
-use twinrotor::plant::presets::Rig;
+use twinrotor::rig_port::RigPort;
 use twinrotor::telemetry::Frame;
 use twinrotor_station::SimulatedBoard;
 
@@ -20,15 +20,17 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// `rig` in its rest pose, and a board that was given `parameters` before.
+    /// A board that was given `parameters` before and computes the rig of which they speak, in its rest pose.
+    /// Its wiring has been checked.
     ///
     /// # Errors
     ///
     /// If they have no room in a board's flash.
-    pub fn new(rig: &Rig, parameters: &Parameters, real_time: bool) -> Result<Self, ParameterError> {
+    pub fn new(parameters: &Parameters, real_time: bool) -> Result<Self, ParameterError> {
+        let parameters = Parameters { checked: true, port: RigPort::Simulated, ..*parameters };
         let mut store = Store::new(RamFlash::default(), 0);
-        parameters::save(&mut store, parameters, &mut [0; SLOT_SIZE])?;
-        let board = SimulatedBoard::new(rig, *parameters, store.into_flash());
+        parameters::save(&mut store, &parameters, &mut [0; SLOT_SIZE])?;
+        let board = SimulatedBoard::alone(parameters, store.into_flash());
         Ok(Self { board, ticks: 0, begun: real_time.then(Instant::now) })
     }
 

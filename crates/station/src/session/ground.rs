@@ -19,8 +19,8 @@ use twinrotor::telemetry::Frame;
 
 /// How long a command may take to come to bear.
 const PROMPT: Duration = Duration::from_secs(3);
-/// From one `Zero` to the next: it is not taken while the rig moves.
-const ZERO_EVERY: Duration = Duration::from_millis(500);
+/// From one `Zero` or `ClearFault` to the next: not taken while the rig moves, or the cause is just passing.
+const AGAIN: Duration = Duration::from_millis(500);
 /// How long the rig may take to come to rest.
 const REST: Duration = Duration::from_millis(SETTLE_TICKS as u64);
 /// What does not keep a board from being prepared: it is dealt with step by step.
@@ -143,7 +143,8 @@ impl Session {
                 self.step("fault", words::condition(cause));
                 self.lay_down();
                 self.command(OperatorCommand::Request(Request::ClearFault));
-                self.phase = Phase::Clearing { until: self.clock.now() + PROMPT };
+                let now = self.clock.now();
+                self.phase = Phase::Clearing { again: now + AGAIN, until: now + PROMPT };
             }
             ArmState::Disarmed | ArmState::Ready => {
                 self.lay_down();
@@ -255,7 +256,7 @@ impl Session {
         let now = self.clock.now();
         self.lay_down();
         let first = self.command(OperatorCommand::Zero);
-        self.phase = Phase::Zeroing { first, again: now + ZERO_EVERY, until: now + REST };
+        self.phase = Phase::Zeroing { first, again: now + AGAIN, until: now + REST };
     }
 
     /// Its encoders show the rest pose, to a count.
@@ -277,9 +278,13 @@ impl Session {
         let Some(frame) = self.frame else { return };
         let wrong = || words::conditions(frame.conditions);
         match &mut self.phase {
-            Phase::Clearing { until } if now >= *until => {
+            Phase::Clearing { until, .. } if now >= *until => {
                 let cause = words::conditions(frame.conditions.intersection(Conditions::HAZARDS));
                 self.trouble(format!("the fault cannot be cleared while {cause}"));
+            }
+            Phase::Clearing { again, .. } if now >= *again => {
+                *again += AGAIN;
+                self.command(OperatorCommand::Request(Request::ClearFault));
             }
             Phase::Settling { until } => {
                 let until = *until;
@@ -289,7 +294,7 @@ impl Session {
                 self.trouble(format!("the rig did not come to rest within {} s", REST.as_secs()));
             }
             Phase::Zeroing { again, .. } if now >= *again => {
-                *again += ZERO_EVERY;
+                *again += AGAIN;
                 self.command(OperatorCommand::Zero);
             }
             // It is over, and its verdict was lost on the line.

@@ -42,7 +42,7 @@ const SILENCE: Duration = Duration::from_secs(2);
 enum Phase {
     Finding,
     Looking,
-    Clearing { until: Duration },
+    Clearing { again: Duration, until: Duration },
     Reading,
     Writing,
     Settling { until: Duration },
@@ -186,6 +186,11 @@ impl Session {
     /// The operator's commands so far, with their numbers: what a flight can be computed once more from.
     pub fn said(&self) -> &[Numbered<OperatorCommand>] {
         &self.said
+    }
+
+    /// The board, once it has said who it is.
+    pub const fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
     }
 
     /// The controller that was tried, and the number of the message.
