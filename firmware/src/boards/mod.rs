@@ -40,6 +40,10 @@ pub(crate) struct Board {
 
 /// A user button.
 #[derive(Clone, Copy)]
+#[cfg_attr(
+    all(target_os = "none", not(feature = "simulated")),
+    expect(dead_code, reason = "of a simulated rig alone")
+)]
 pub(crate) struct Button {
     /// Its pin.
     pub(crate) pin: &'static str,

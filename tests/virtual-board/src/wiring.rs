@@ -89,9 +89,6 @@ pub const EMERGENCY_STOP: Wire = alternate(B, 12, 1);
 /// High lights it.
 pub const STATUS_LED: Wire = plain(A, 5);
 
-/// A Nucleo's user button, to ground, with a resistor that holds it high.
-pub const USER_BUTTON: Wire = plain(C, 13);
-
 /// The supply, through a divider: converter (ADC1 is 0), channel, and volts at the supply for one at the
 /// pin.
 pub const SUPPLY: (usize, u8, f64) = (0, 10, 11.0);

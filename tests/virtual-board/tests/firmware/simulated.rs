@@ -182,38 +182,6 @@ fn whatever_befalls_the_rig_the_supervisor_answers_and_the_host_computes() {
     assert_nothing_left(&mut machine);
 }
 
-/// The user button is the emergency stop.
-#[test]
-fn the_button_ends_a_flight() {
-    let parameters = parameters(record::BUILT_IN);
-    let mut machine = board(&parameters);
-    let mut session = Session::new(plan(&parameters, vec![step(2_000)], Vec::new()), Duration::ZERO);
-    let mut flies = false;
-    for now in (0..60_000).step_by(2) {
-        session.poll(Duration::from_millis(now));
-        machine.say(&session.take_outgoing());
-        machine.run(2);
-        session.push(&machine.heard(), Duration::from_millis(now));
-        while let Some(event) = session.event() {
-            match event {
-                Event::Begins { .. } => {
-                    flies = true;
-                    machine.rig(|rig: &mut AtRest| rig.0.button = true);
-                }
-                Event::Over(end) => {
-                    let why = words::condition(Condition::EmergencyStop);
-                    let stopped = Ending::Stopped(format!("a fault stopped the flight: {why}"));
-                    assert_eq!(end, End { ending: stopped, motors: Motors::SeenOff });
-                    assert!(flies);
-                    return;
-                }
-                _ => {}
-            }
-        }
-    }
-    panic!("no end");
-}
-
 /// A rig that was checked on the board's own simulation is not checked for a real one, and a real one has
 /// nothing befall it.
 #[test]
