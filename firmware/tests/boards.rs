@@ -212,12 +212,14 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     }
 }
 
+/// UM1724 (Nucleo-64), 6.6: B1 pulls PC13 to ground. UM1472 (F4-Discovery), 6.4: B1 puts VDD on PA0.
 #[test]
 fn a_button_is_on_a_pin_of_a_port_that_all_chips_have() {
     for board in ALL {
         let Some(button) = board.button else { continue };
         let pin = Pin::named(button.pin);
         assert!(pin.port < 4, "{}: {}", board.name, button.pin);
+        assert_eq!(button.pressed_high, !board.name.starts_with("nucleo"), "{}", board.name);
         let w = &board.wiring;
         assert!(![w.serial_out, w.serial_in, w.led, w.enable].contains(&button.pin), "{}", board.name);
     }

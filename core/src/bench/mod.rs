@@ -45,12 +45,12 @@ pub struct Bench<R> {
     pub faults: Faults,
 }
 
-impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
+impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
     /// A plant as it stands, on nothing, with counters that start at zero.
     pub fn new(plant: RealPlant<R>, hardware: &Hardware) -> Self {
         let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
         Self {
-            position: encoders.counts(plant.state().angle).map(to_integer),
+            position: encoders.counts(plant.state().angle).map(Whole::to_integer),
             plant,
             encoders,
             counted: PerAxis::both(0),
@@ -152,18 +152,31 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     }
 
     fn count(&mut self) {
-        let position = self.encoders.counts(self.plant.state().angle).map(to_integer);
+        let position = self.encoders.counts(self.plant.state().angle).map(Whole::to_integer);
         let turned = position.zip(self.position, i32::wrapping_sub);
         self.position = position;
         self.counted = self.counted.zip(self.faults.counted(turned), i32::wrapping_add);
     }
 }
 
-/// A whole number of counts as an integer.
-#[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
-fn to_integer(counts: impl Into<f64>) -> i32 {
-    let counts: f64 = counts.into();
-    counts as i32
+/// A whole number of counts as an integer, far below 2^31.
+pub trait Whole {
+    /// The integer.
+    fn to_integer(self) -> i32;
+}
+
+impl Whole for f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
+    fn to_integer(self) -> i32 {
+        self as i32
+    }
+}
+
+impl Whole for f64 {
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
+    fn to_integer(self) -> i32 {
+        self as i32
+    }
 }
 
 #[cfg(test)]

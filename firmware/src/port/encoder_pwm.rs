@@ -14,6 +14,9 @@ use twinrotor::parameters::Parameters;
 use twinrotor::rig_port::RigPort;
 use twinrotor::supervisor::ArmState;
 
+/// A real rig: the board has nothing of it.
+pub(crate) struct Wired;
+
 /// A rig whose motors and encoders are wired to the board.
 pub(crate) struct EncoderPwmPort {
     pitch: Qei<'static, PitchTimer>,
@@ -40,16 +43,18 @@ impl EncoderPwmPort {
 impl PlantPort for EncoderPwmPort {
     const KIND: RigPort = RigPort::Pwm;
     const COUNTER_WIDTH: CounterWidth = CounterWidth::Bits16;
-    type Rig = ();
+    type Rig = Wired;
 
-    fn rig(_: &Parameters) {}
+    fn rig(_: &Parameters) -> Wired {
+        Wired
+    }
 
     fn drive(&self) -> Drive<f32> {
         Drive::limited(amplifier::FULL_STEPS, amplifier::MOST_STEPS)
     }
 
     #[inline(always)]
-    fn counters(&mut self, (): &()) -> PerAxis<u32> {
+    fn counters(&mut self, _: &Wired) -> PerAxis<u32> {
         PerAxis::new(self.pitch.count().into(), self.yaw.count().into())
     }
 
@@ -58,14 +63,14 @@ impl PlantPort for EncoderPwmPort {
     }
 
     #[inline(always)]
-    fn seen(sensed: Sensed, (): &()) -> Sensed {
+    fn seen(sensed: Sensed, _: &Wired) -> Sensed {
         sensed
     }
 
     /// The conversation refuses it.
-    fn inject((): &mut (), _: &Injection) {}
+    fn inject(_: &mut Wired, _: &Injection) {}
 
-    fn write(&mut self, (): &mut (), duty: PerMotor<Duty<f32>>, state: ArmState) {
+    fn write(&mut self, _: &mut Wired, duty: PerMotor<Duty<f32>>, state: ArmState) {
         if state.motors_may_turn() {
             amplifier::set(duty.map(Duty::steps));
             amplifier::on();

@@ -48,28 +48,29 @@ fn kind(text: &str) -> Option<Injection> {
         spoil(&mut faults)?;
         Some(Injection::Wiring(faults))
     };
-    let without_value = value.is_empty() && !text.contains('=');
+    let bare = value.is_empty() && !text.contains('=');
     match what {
-        "slip" => wiring(&|faults| Some(*axis(&mut faults.slip, whose)? = value.parse().ok()?)),
-        "drift" => wiring(&|faults| Some(*axis(&mut faults.drift, whose)? = value.parse().ok()?)),
-        "stuck" if without_value => wiring(&|faults| Some(*axis(&mut faults.encoder_stuck, whose)? = true)),
-        "reversed" if without_value => {
-            wiring(&|faults| Some(*axis(&mut faults.encoder_reversed, whose)? = true))
-        }
-        "open" if without_value => wiring(&|faults| Some(*motor(&mut faults.motor_open, whose)? = true)),
-        "backwards" if without_value => {
-            wiring(&|faults| Some(*motor(&mut faults.motor_reversed, whose)? = true))
-        }
+        "slip" => wiring(&|faults| set(axis(&mut faults.slip, whose), value.parse().ok())),
+        "drift" => wiring(&|faults| set(axis(&mut faults.drift, whose), value.parse().ok())),
+        "stuck" if bare => wiring(&|faults| set(axis(&mut faults.encoder_stuck, whose), Some(true))),
+        "reversed" if bare => wiring(&|faults| set(axis(&mut faults.encoder_reversed, whose), Some(true))),
+        "open" if bare => wiring(&|faults| set(motor(&mut faults.motor_open, whose), Some(true))),
+        "backwards" if bare => wiring(&|faults| set(motor(&mut faults.motor_reversed, whose), Some(true))),
         _ if !whose.is_empty() => None,
-        "sound" if without_value => Some(Injection::Wiring(Faults::default())),
-        "fault" if without_value => Some(Injection::CurrentLimit(true)),
-        "stop" if without_value => Some(Injection::EmergencyStop(true)),
+        "sound" if bare => Some(Injection::Wiring(Faults::default())),
+        "fault" if bare => Some(Injection::CurrentLimit(true)),
+        "stop" if bare => Some(Injection::EmergencyStop(true)),
         "supply" => Some(Injection::Supply(value.parse().ok()?)),
         "stall" => Some(Injection::Stall { ticks: value.parse().ok()? }),
         "disturbance" => pair().map(|(main, tail)| Injection::Disturbance(PerMotor::new(main, tail))),
         "weight" => pair().map(|(mass, arm)| Injection::Weight { mass, arm }),
         _ => None,
     }
+}
+
+fn set<T>(place: Option<&mut T>, value: Option<T>) -> Option<()> {
+    *place? = value?;
+    Some(())
 }
 
 fn axis<'a, T>(axes: &'a mut PerAxis<T>, name: &str) -> Option<&'a mut T> {
