@@ -14,5 +14,6 @@ stage "firmware" firmware
 stage "firmware, sign and magnitude" firmware --features sign-magnitude --target-dir target/sign-magnitude
 stage "firmware, for bootstrapped bridges" firmware --features bootstrap --target-dir target/bootstrap
 stage "firmware, for a debugger" firmware --features debug --target-dir target/debug-build
+stage "firmware, with a simulated rig" env RUSTUP_TOOLCHAIN="$toolchain" cargo fw-f405-sim
 stage "tests of the firmware as a file" cargo fw-test
 stage "tests on the virtual board" cargo board-test

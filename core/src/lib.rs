@@ -44,8 +44,8 @@
 //!   references that a simulation follows.
 //! - The controller's settings: [`settings`], the table of all that a person may choose, declared where it is
 //!   used; [`gains`], [`controller`], and [`defaults`], what each preset starts from.
-//! - The board's data: [`parameters`], the record it flies with, and [`link`], its messages, numbered by
-//!   [`sequence`]. [`conversation`] is what it answers to each.
+//! - The board's data: [`parameters`], the record it flies with, [`rig_port`], what its rig is, and [`link`],
+//!   its messages, numbered by [`sequence`]. [`conversation`] is what it answers to each.
 //!
 //! # A step
 //!
@@ -151,6 +151,7 @@ pub mod gains;
 pub mod conversation;
 pub mod link;
 pub mod parameters;
+pub mod rig_port;
 pub mod sequence;
 
 /// \[s\] From tick to tick, on a board and wherever one is simulated: 1 kHz.

@@ -37,6 +37,11 @@ impl<R: Real> RotorModel<R> {
         }
     }
 
+    /// Somebody has stopped them.
+    pub fn stop(&mut self) {
+        self.volts = PerMotor::zero();
+    }
+
     /// \[V\] In effect at the end of the tick that [`RotorModel::advance`] has entered: when the command that
     /// is worked out in this tick begins to act.
     #[inline(always)]

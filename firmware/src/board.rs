@@ -1,25 +1,20 @@
 //! From a chip that has just been reset to peripherals ready to use, as the [`boards`] file says.
 
-use crate::boards::{self, BOARD, Parts, Serial, SerialInterrupts, Source};
+#[cfg(not(feature = "simulated"))]
+use crate::boards;
+use crate::boards::{BOARD, Parts, Serial, SerialInterrupts, Source};
 use crate::clock::Clock;
 use crate::critical::BELOW_TICK;
 use crate::port::Port;
-use crate::port::amplifier::{AMPLIFIER, Amplifier, Outputs};
-use crate::port::senses::Senses;
 use crate::receiver::Receiver;
-use crate::{emergency_stop, flash_cache, oscillator};
-use embassy_stm32::adc::Adc;
+use crate::{flash_cache, oscillator};
 use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
-use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::mode::Async;
-use embassy_stm32::pac::timer::vals::FilterValue;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
-use embassy_stm32::timer::qei::{Config as QeiConfig, Qei};
-use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, UartTx};
 use embassy_stm32::{Config, pac};
 use twinrotor::supervisor::{Condition, Conditions};
@@ -48,38 +43,54 @@ pub(crate) fn start() -> Board {
     if cfg!(feature = "debug") {
         stand_still_at_breakpoints();
     }
-    let enable = Output::new(parts.enable, Level::Low, Speed::Low);
-
-    let pitch = Qei::new(parts.pitch_timer, parts.pitch_a, parts.pitch_b, encoder());
-    let yaw = Qei::new(parts.yaw_timer, parts.yaw_a, parts.yaw_b, encoder());
-    // The longest filter, 8 samples at 84 MHz / 32: an edge counts after 3 µs, far from what the PWM induces.
-    boards::filter_encoders(FilterValue::FDTS_DIV32_N8);
-
-    let mut stop = Flex::new(parts.emergency_stop);
-    stop.set_as_af_unchecked(1, AfType::input(Pull::Up));
-    let outputs = match AMPLIFIER {
-        Amplifier::LockedAntiphase => Outputs::LockedAntiphase(
-            PwmPin::new(parts.main, OutputType::PushPull),
-            ComplementaryPwmPin::new(parts.main_complement, OutputType::PushPull),
-            PwmPin::new(parts.tail, OutputType::PushPull),
-            ComplementaryPwmPin::new(parts.tail_complement, OutputType::PushPull),
-        ),
-        Amplifier::SignMagnitude => Outputs::SignMagnitude(
-            PwmPin::new(parts.main, OutputType::PushPull),
-            PwmPin::new(parts.main_reverse, OutputType::PushPull),
-            PwmPin::new(parts.tail, OutputType::PushPull),
-            PwmPin::new(parts.tail_reverse, OutputType::PushPull),
-        ),
-    };
-
-    let mut supply = Flex::new(parts.supply);
-    supply.set_as_analog();
-    // A wire that is cut reads as a fault.
-    let current_limit = Input::new(parts.current_limit, Pull::Down);
-    let senses = Senses::start(stop, current_limit, supply, Adc::new(parts.adc));
-    emergency_stop::listen();
     let clock = Clock::new(parts.pwm_timer, parts.stopwatch);
-    let port = Port::start(outputs, enable, pitch, yaw, senses);
+    let enable = Output::new(parts.enable, Level::Low, Speed::Low);
+    #[cfg(feature = "simulated")]
+    let port = Port::start(enable);
+    #[cfg(not(feature = "simulated"))]
+    let port = {
+        use crate::emergency_stop;
+        use crate::port::amplifier::{AMPLIFIER, Amplifier, Outputs};
+        use crate::port::senses::Senses;
+        use embassy_stm32::adc::Adc;
+        use embassy_stm32::gpio::{AfType, Flex, Input, OutputType, Pull};
+        use embassy_stm32::pac::timer::vals::FilterValue;
+        use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
+        use embassy_stm32::timer::qei::{Config as QeiConfig, Qei};
+        use embassy_stm32::timer::simple_pwm::PwmPin;
+
+        let encoder = || QeiConfig { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..QeiConfig::default() };
+        let pitch = Qei::new(parts.pitch_timer, parts.pitch_a, parts.pitch_b, encoder());
+        let yaw = Qei::new(parts.yaw_timer, parts.yaw_a, parts.yaw_b, encoder());
+        // The longest filter, 8 samples at 84 MHz / 32: an edge counts after 3 µs, far from what the PWM
+        // induces.
+        boards::filter_encoders(FilterValue::FDTS_DIV32_N8);
+
+        let mut stop = Flex::new(parts.emergency_stop);
+        stop.set_as_af_unchecked(1, AfType::input(Pull::Up));
+        let outputs = match AMPLIFIER {
+            Amplifier::LockedAntiphase => Outputs::LockedAntiphase(
+                PwmPin::new(parts.main, OutputType::PushPull),
+                ComplementaryPwmPin::new(parts.main_complement, OutputType::PushPull),
+                PwmPin::new(parts.tail, OutputType::PushPull),
+                ComplementaryPwmPin::new(parts.tail_complement, OutputType::PushPull),
+            ),
+            Amplifier::SignMagnitude => Outputs::SignMagnitude(
+                PwmPin::new(parts.main, OutputType::PushPull),
+                PwmPin::new(parts.main_reverse, OutputType::PushPull),
+                PwmPin::new(parts.tail, OutputType::PushPull),
+                PwmPin::new(parts.tail_reverse, OutputType::PushPull),
+            ),
+        };
+
+        let mut supply = Flex::new(parts.supply);
+        supply.set_as_analog();
+        // A wire that is cut reads as a fault.
+        let current_limit = Input::new(parts.current_limit, Pull::Down);
+        let senses = Senses::start(stop, current_limit, supply, Adc::new(parts.adc));
+        emergency_stop::listen();
+        Port::start(outputs, enable, pitch, yaw, senses)
+    };
 
     let mut config = usart::Config::default();
     config.baudrate = twinrotor::link::BAUD;
@@ -88,7 +99,8 @@ pub(crate) fn start() -> Board {
     Board {
         clock,
         standing: Conditions::NONE
-            .with(Condition::ClockFallback, !sound)
+            // A simulated rig does not mind an inexact clock.
+            .with(Condition::ClockFallback, !sound && cfg!(not(feature = "simulated")))
             .with(Condition::DebugBuild, cfg!(feature = "debug")),
         port,
         serial_out: serial_out.expect("the baud rate can be had from the clock"),
@@ -105,10 +117,6 @@ fn stand_still_at_breakpoints() {
         w.set_tim5(true);
     });
     pac::DBGMCU.apb2fzr().modify(|w| w.set_tim1(true));
-}
-
-fn encoder() -> QeiConfig {
-    QeiConfig { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..QeiConfig::default() }
 }
 
 /// From the board's own clock, or as fast from the chip's internal oscillator.

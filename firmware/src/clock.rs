@@ -91,3 +91,10 @@ impl Clock {
         TIMER.sr().read().uif()
     }
 }
+
+/// Does nothing for so many ticks.
+#[cfg(feature = "simulated")]
+pub(crate) fn idle(ticks: u32) {
+    let begin = STOPWATCH.cnt().read();
+    while STOPWATCH.cnt().read().wrapping_sub(begin) < ticks.wrapping_mul(COUNTS) {}
+}

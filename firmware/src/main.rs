@@ -15,7 +15,7 @@ mod boards;
 mod clock;
 #[cfg(target_os = "none")]
 mod critical;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(feature = "simulated")))]
 mod emergency_stop;
 #[cfg(target_os = "none")]
 mod flash_cache;

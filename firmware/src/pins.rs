@@ -1,12 +1,17 @@
 //! The pins that are read and written by themselves, not by a peripheral.
 
+#[cfg(feature = "simulated")]
+use crate::boards::Button;
 use crate::boards::{BOARD, Pin};
 use embassy_stm32::pac;
 use embassy_stm32::pac::gpio::vals::Idr;
 
 /// The emergency stop.
+#[cfg(not(feature = "simulated"))]
 pub(crate) const EMERGENCY_STOP: Pin = Pin::named(BOARD.wiring.emergency_stop);
+#[cfg(not(feature = "simulated"))]
 const CURRENT_LIMIT: Pin = Pin::named(BOARD.wiring.current_limit);
+#[cfg(not(feature = "simulated"))]
 const ENABLE: Pin = Pin::named(BOARD.wiring.enable);
 
 /// The registers of a pin's port.
@@ -26,6 +31,7 @@ fn level(pin: Pin) -> Idr {
 }
 
 /// The amplifiers' enable pin: on or off.
+#[cfg(not(feature = "simulated"))]
 #[inline(always)]
 pub(crate) fn enable_amplifiers(on: bool) {
     let number = usize::from(ENABLE.number);
@@ -33,13 +39,26 @@ pub(crate) fn enable_amplifiers(on: bool) {
 }
 
 /// Is the emergency stop pressed, or its cable broken?
+#[cfg(not(feature = "simulated"))]
 #[inline(always)]
 pub(crate) fn emergency_stop() -> bool {
     level(EMERGENCY_STOP) == Idr::HIGH
 }
 
 /// Do the amplifiers limit the current, or are they at fault?
+#[cfg(not(feature = "simulated"))]
 #[inline(always)]
 pub(crate) fn current_limit() -> bool {
     level(CURRENT_LIMIT) == Idr::LOW
+}
+
+/// Is the board's button pressed? Its pin is an input from reset on.
+#[cfg(feature = "simulated")]
+pub(crate) fn button() -> bool {
+    const BUTTON: Option<(Pin, Idr)> = match BOARD.button {
+        Some(Button { pin, pressed_high: true }) => Some((Pin::named(pin), Idr::HIGH)),
+        Some(Button { pin, pressed_high: false }) => Some((Pin::named(pin), Idr::LOW)),
+        None => None,
+    };
+    BUTTON.is_some_and(|(pin, pressed)| level(pin) == pressed)
 }

@@ -2,6 +2,7 @@
 //! answered is the core's [`Conversation`]; here is what it asks for: flash, and the tick.
 
 use crate::boards::BOARD;
+use crate::port::{PlantPort, Port};
 use crate::quiesce::TickAside;
 use crate::receiver::Receiver;
 use crate::shared::{Commands, FRAME_EVERY, FRAMES_DROPPED, Flag, Reports, STATUS, TICK_COUNTS_MAX, TICKS};
@@ -44,6 +45,7 @@ pub(crate) fn start(
     let board = Board {
         firmware: env!("CARGO_PKG_VERSION"),
         chip: BOARD.chip,
+        port: Port::KIND,
         nonce: nonce::draw(),
         reset,
         baud: link::BAUD,

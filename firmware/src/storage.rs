@@ -1,5 +1,6 @@
 //! The parameters on flash.
 
+use crate::port::{PlantPort, Port};
 use crate::{flash_cache, watchdog};
 use embassy_stm32::flash::{Bank1Region1, Blocking};
 use twinrotor::parameters::store::{AREA_OFFSET, SLOT_SIZE, Store};
@@ -15,7 +16,8 @@ impl Storage {
     /// The store, the parameters in force, and where they come from.
     pub(crate) fn load(flash: Bank1Region1<'static, Blocking>) -> (Self, Parameters, Provenance) {
         let mut storage = Self { store: Store::new(flash, AREA_OFFSET), buffer: [0; SLOT_SIZE] };
-        let (parameters, provenance) = parameters::load(&mut storage.store, &mut storage.buffer, defaults);
+        let (parameters, provenance) =
+            parameters::load(&mut storage.store, &mut storage.buffer, Port::KIND, defaults);
         (storage, parameters, provenance)
     }
 

@@ -14,11 +14,12 @@ use core::sync::atomic::Ordering;
 use embassy_stm32::interrupt;
 use heapless::spsc::{Producer, Queue};
 use static_cell::StaticCell;
-use twinrotor::axes::PerMotor;
-use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::conversation::commands;
 use twinrotor::first_power::Verdict;
 use twinrotor::parameters::{Parameters, Provenance};
+use twinrotor::rig_port::RigPort;
+use twinrotor::sequence::Numbered;
 use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 
@@ -26,9 +27,9 @@ use twinrotor::telemetry::Frame;
 const TOO_LATE: u32 = clock::COUNTS * 3 / 2;
 
 /// What the interrupt owns beside the control loop.
-struct Tick<P> {
+struct Tick {
     clock: Clock,
-    port: P,
+    port: Port,
     commands: commands::Receiver<'static>,
     frames: Producer<'static, Frame>,
     verdicts: Producer<'static, Verdict>,
@@ -44,6 +45,7 @@ struct Tick<P> {
 /// What the thread has while the tick stands aside.
 struct Control {
     core: ControlLoop,
+    rig: <Port as PlantPort>::Rig,
     /// What the parameters' provenance says against arming, and what the board itself does.
     standing: Conditions,
     board: Conditions,
@@ -56,7 +58,7 @@ struct OfTheInterrupt<T>(UnsafeCell<MaybeUninit<T>>);
 // `CONTROL` while the interrupt stands aside.
 unsafe impl<T> Sync for OfTheInterrupt<T> {}
 
-static TICK: OfTheInterrupt<Tick<Port>> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
+static TICK: OfTheInterrupt<Tick> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 static CONTROL: OfTheInterrupt<Control> = OfTheInterrupt(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Starts the tick, with the watchdog at its heels.
@@ -78,14 +80,16 @@ pub(crate) fn start(
     #[expect(unsafe_code, reason = "the interrupt is not enabled yet")]
     // SAFETY: nobody else uses them now.
     unsafe {
+        let rig = Port::rig(parameters);
         (*CONTROL.0.get()).write(Control {
             core: ControlLoop::new(
                 parameters,
                 Port::COUNTER_WIDTH,
-                port.counters(),
+                port.counters(&rig),
                 port.drive(),
                 reset_cause,
             ),
+            rig,
             standing: provenance.conditions().union(board),
             board,
         });
@@ -113,6 +117,7 @@ pub(crate) fn adopt(parameters: &Parameters, _: &TickAside) {
     #[expect(unsafe_code, reason = "while the tick stands aside, the thread has its control loop")]
     // SAFETY: there is one `TickAside` at a time, and while there is, the interrupt does not touch `CONTROL`.
     let control = unsafe { (*CONTROL.0.get()).assume_init_mut() };
+    control.rig = Port::rig(parameters);
     control.core.adopt(parameters);
     control.standing = control.board;
     tell_status(control);
@@ -132,7 +137,7 @@ fn TIM1_UP_TIM10() {
     tick.run();
 }
 
-impl<P: PlantPort> Tick<P> {
+impl Tick {
     #[inline(always)]
     fn run(&mut self) {
         let begin = self.clock.now();
@@ -144,9 +149,9 @@ impl<P: PlantPort> Tick<P> {
         // SAFETY: used where it does not stand aside, or does not yet.
         let control = || unsafe { (*CONTROL.0.get()).assume_init_mut() };
         if quiesce::stands(|| control().core.state()) {
-            self.port.write(PerMotor::default(), false);
+            self.port.rest();
         } else {
-            self.control(control(), &sensed, missed);
+            self.control(control(), sensed, missed);
         }
         wake::wake();
         let taken = self.clock.now().wrapping_sub(begin);
@@ -162,13 +167,14 @@ impl<P: PlantPort> Tick<P> {
 
     /// The core's tick, and what it has to report.
     #[inline(always)]
-    fn control(&mut self, control: &mut Control, sensed: &Sensed, missed: bool) {
+    fn control(&mut self, control: &mut Control, sensed: Sensed, missed: bool) {
+        let sensed = Port::seen(sensed, &control.rig);
         let flags = Flags::take();
         let disarm = flags.contain(Flag::Disarm);
         let command = commands::next(&mut self.commands, disarm);
         let trying = control.core.is_trying();
         let outputs = control.core.tick(&Inputs {
-            counters: self.port.counters(),
+            counters: self.port.counters(&control.rig),
             supply: sensed.supply,
             current_limit: sensed.current_limit,
             senses: control
@@ -182,7 +188,12 @@ impl<P: PlantPort> Tick<P> {
             trial: if command.is_some() { slot::peek() } else { None },
             command,
         });
-        self.port.write(outputs.duty, outputs.enable);
+        if Port::KIND == RigPort::Simulated
+            && let Some(Numbered { message: OperatorCommand::Inject(injection), .. }) = command
+        {
+            Port::inject(&mut control.rig, injection);
+        }
+        self.port.write(&mut control.rig, outputs.duty, control.core.state());
         if trying | disarm | command.is_some() {
             slot::settle(command, disarm);
             if command.is_some() {

@@ -189,3 +189,38 @@ fn the_converter_sees_more_than_any_rig_may_have() {
         }
     }
 }
+
+/// A board that computes its rig is built, linted and programmed by the same three words, with `-sim`.
+#[test]
+fn cargo_has_the_same_commands_for_a_simulated_rig() {
+    let config = read(".cargo/config.toml");
+    let words: Vec<&str> = config.split_whitespace().collect();
+    let config = words.join(" ");
+    for (board, features) in [(f405::BOARD, "simulated"), (nucleo_f446::BOARD, "nucleo-f446,simulated")] {
+        let Board { name, probe_chip, .. } = board;
+        for alias in ["fw", "fw-run", "fw-clippy"] {
+            let (_, line) = config.split_once(&format!("{alias}-{name}-sim = ")).expect("an alias");
+            let line = line.split("\"\"\"").nth(1).expect("its words");
+            assert!(
+                line.contains(&format!("--features {features} --target-dir target/{name}-sim")),
+                "{line}"
+            );
+            // The f405's chip is the one that is programmed without a word.
+            let programs = line.contains(&format!("--config env.PROBE_RS_CHIP='{probe_chip}'"));
+            assert_eq!(programs, alias == "fw-run" && name != f405::BOARD.name, "{alias}-{name}-sim: {line}");
+        }
+    }
+}
+
+/// UM1724 (Nucleo-64), 6.6: B1 pulls PC13 to ground. UM1472 (F4-Discovery), 6.4: B1 puts VDD on PA0.
+#[test]
+fn a_button_is_on_a_pin_of_a_port_that_all_chips_have() {
+    for board in ALL {
+        let Some(button) = board.button else { continue };
+        let pin = Pin::named(button.pin);
+        assert!(pin.port < 4, "{}: {}", board.name, button.pin);
+        assert_eq!(button.pressed_high, !board.name.starts_with("nucleo"), "{}", board.name);
+        let w = &board.wiring;
+        assert!(![w.serial_out, w.serial_in, w.led, w.enable].contains(&button.pin), "{}", board.name);
+    }
+}

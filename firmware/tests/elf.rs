@@ -29,6 +29,14 @@ impl Firmware {
         Self { bytes }
     }
 
+    /// The firmware whose rig is computed on the board: where `cargo fw-f405-sim` puts it.
+    fn simulated() -> Self {
+        let path = target().join("f405-sim").join(ELF);
+        let bytes = std::fs::read(&path)
+            .unwrap_or_else(|error| panic!("{}: {error}; run `cargo fw-f405-sim` first", path.display()));
+        Self { bytes }
+    }
+
     fn elf(&self) -> object::File<'_> {
         object::File::parse(&*self.bytes).expect("an ELF file")
     }
@@ -149,11 +157,26 @@ fn demangled(name: &str) -> String {
     format!("{:#}", rustc_demangle::demangle(name))
 }
 
-/// Where `cargo fw` puts it, in the target folder that this test was built in.
-fn built() -> PathBuf {
+/// Where a build puts it in its target folder.
+const ELF: &str = "thumbv7em-none-eabihf/firmware/firmware";
+
+/// The target folder that this test was built in.
+fn target() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
-    let target = test.ancestors().nth(3).expect("target/debug/deps/test");
-    target.join("thumbv7em-none-eabihf/firmware/firmware")
+    test.ancestors().nth(3).expect("target/debug/deps/test").to_owned()
+}
+
+/// Where `cargo fw` puts it.
+fn built() -> PathBuf {
+    target().join(ELF)
+}
+
+/// A routine of double precision.
+fn is_soft_double(name: &str) -> bool {
+    name.starts_with("__aeabi_d")
+        || name.starts_with("__aeabi_f2d")
+        || name.ends_with("2d")
+        || name.ends_with("df3")
 }
 
 #[test]
@@ -173,16 +196,28 @@ fn no_soft_double_no_float_formatting_no_allocator() {
     let symbols = Firmware::read().symbols();
     assert!(symbols.len() > 100, "the unstripped file");
     let banned = |name: &str| {
-        name.starts_with("__aeabi_d")
-            || name.starts_with("__aeabi_f2d")
-            || name.ends_with("2d")
-            || name.ends_with("df3")
+        is_soft_double(name)
             || name.contains("flt2dec")
             || name.contains("fmt::float")
             || name.contains("__rust_alloc")
     };
     let found: Vec<&String> = symbols.iter().filter(|name| banned(name)).collect();
     assert!(found.is_empty(), "{found:?}");
+}
+
+/// A rig that the board computes is made in double precision, in the thread, and moved in single, in the tick.
+#[test]
+#[cfg_attr(not(feature = "elf-tests"), ignore = "reads the ELF: cargo fw-f405-sim, then cargo fw-test")]
+fn a_simulated_rig_has_no_soft_double_in_the_tick_and_keeps_its_budget() {
+    let firmware = Firmware::simulated();
+    let tick = firmware.closure("TIM1_UP_TIM10");
+    assert!(!tick.is_empty());
+    let found: Vec<&String> = tick.iter().filter(|name| is_soft_double(name)).collect();
+    assert!(found.is_empty(), "{found:?}");
+    assert!(firmware.symbols().iter().any(|name| is_soft_double(name)), "it is made in double precision");
+    let (loadable, ram) = sizes(&firmware);
+    println!("with a simulated rig: loadable {loadable} bytes, static RAM {ram} bytes");
+    assert!(loadable <= 192 * 1024 && ram <= 16 * 1024, "{loadable} loadable bytes, {ram} of static RAM");
 }
 
 /// Each thing that the log tells, by its words, which defmt keeps as the names of symbols: none of them is on

@@ -76,6 +76,11 @@ impl<R: Real> CurrentLimit<R> {
         }
     }
 
+    /// Time has passed, and the motors are cold.
+    pub fn cool(&mut self) {
+        self.heat = PerMotor::zero();
+    }
+
     /// Takes note of one tick with `applied` volts and `in_effect` at its end.
     #[inline(always)]
     pub fn observe(&mut self, applied: PerMotor<R>, in_effect: PerMotor<R>) {

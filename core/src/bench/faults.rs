@@ -2,12 +2,13 @@
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::real::Real;
+use serde::{Deserialize, Serialize};
 
 /// Faults of the wiring; none by default. They may come and go while the rig flies.
 ///
 /// What the motors get: their own cables' faults first, then the swap. What the encoders show: swapped first,
 /// then each channel's own faults.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Faults {
     /// Main and tail motor are swapped.
     pub motors_swapped: bool,

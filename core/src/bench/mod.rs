@@ -7,10 +7,14 @@
 
 mod encoders;
 mod faults;
+mod injection;
+mod simulated_rig;
 mod wear;
 
 pub use encoders::{Encoders, Hardware};
 pub use faults::Faults;
+pub use injection::Injection;
+pub use simulated_rig::SimulatedRig;
 pub use wear::{LONGEST_DELAY, Wear, Worn};
 
 use crate::axes::{PerAxis, PerMotor};
@@ -45,12 +49,12 @@ pub struct Bench<R> {
     pub worn: Worn<R>,
 }
 
-impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
+impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
     /// A plant as it stands, on nothing, with counters that start at zero.
     pub fn new(plant: RealPlant<R>, hardware: &Hardware) -> Self {
         let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
         Self {
-            position: encoders.counts(plant.state().angle).map(to_integer),
+            position: encoders.counts(plant.state().angle).map(Whole::to_integer),
             worn: Worn::new(&hardware.wear, plant.state().angle),
             plant,
             encoders,
@@ -124,7 +128,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
 
     /// What counters of 16 bits show.
     pub fn counters(&self) -> PerAxis<u32> {
-        let noise = self.worn.shown(PerAxis::zero()).map(to_integer);
+        let noise = self.worn.shown(PerAxis::zero()).map(Whole::to_integer);
         self.counted.zip(noise, |count, noise| count.wrapping_add(noise).cast_unsigned() & 0xFFFF)
     }
 
@@ -162,18 +166,31 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
 
     fn count(&mut self) {
         let seen = self.worn.seen(self.plant.state().angle);
-        let position = self.encoders.counts(seen).map(to_integer);
+        let position = self.encoders.counts(seen).map(Whole::to_integer);
         let turned = position.zip(self.position, i32::wrapping_sub);
         self.position = position;
         self.counted = self.counted.zip(self.faults.counted(turned), i32::wrapping_add);
     }
 }
 
-/// A whole number of counts as an integer.
-#[expect(clippy::cast_possible_truncation, reason = "a whole number of counts, far below 2^31")]
-fn to_integer(counts: impl Into<f64>) -> i32 {
-    let counts: f64 = counts.into();
-    counts as i32
+/// A whole number of counts as an integer, far below 2^31.
+pub trait Whole {
+    /// The integer.
+    fn to_integer(self) -> i32;
+}
+
+impl Whole for f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
+    fn to_integer(self) -> i32 {
+        self as i32
+    }
+}
+
+impl Whole for f64 {
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
+    fn to_integer(self) -> i32 {
+        self as i32
+    }
 }
 
 #[cfg(test)]

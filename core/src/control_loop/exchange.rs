@@ -1,6 +1,7 @@
 //! What goes into a tick and what comes out of it.
 
 use crate::axes::{PerAxis, PerMotor};
+use crate::bench::Injection;
 use crate::drive::Duty;
 use crate::first_power::Verdict;
 use crate::reference::Reference;
@@ -63,6 +64,9 @@ pub enum OperatorCommand {
     Accept,
     /// To go back to the accepted controller.
     Revert,
+    /// To let this befall a simulated rig, in this tick. The port does it; the loop only forgets, at
+    /// [`Injection::Rest`] with the motors off, what they did before.
+    Inject(Injection),
 }
 
 /// What the board is to do when a tick ends.

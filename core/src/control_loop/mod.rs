@@ -9,6 +9,7 @@ pub use status::Status;
 
 use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
+use crate::bench::Injection;
 use crate::drive::Drive;
 use crate::encoder::{CounterWidth, Encoder};
 use crate::estimator::{Belief, Estimate};
@@ -351,6 +352,10 @@ impl ControlLoop {
                 if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() =>
             {
                 self.zero();
+            }
+            // A rig that is laid down anew: what the motors did before has no part in it.
+            OperatorCommand::Inject(Injection::Rest) if !self.supervisor.state().motors_may_turn() => {
+                self.accepted.pipeline.forget_motion();
             }
             _ => {}
         }

@@ -15,6 +15,7 @@ use crate::control_loop::{OperatorCommand, Status};
 use crate::link::{self, Identity, LinkError, Nonce, Refusal, ResetReport, ToBoard, ToHost};
 use crate::parameters::{self, Parameters, Provenance};
 use crate::replay::{Replay, Replayed, Sample};
+use crate::rig_port::RigPort;
 use crate::sequence::{Numbered, Order, Sequence};
 use crate::supervisor::{Conditions, Request};
 use crate::telemetry::TrialPhase;
@@ -30,6 +31,8 @@ pub struct Board {
     pub firmware: &'static str,
     /// Its chip, such as `stm32f405rg`.
     pub chip: &'static str,
+    /// What its rig is.
+    pub port: RigPort,
     /// What this boot is known by: another one than the last boot's.
     pub nonce: Nonce,
     /// What ended the firmware before this boot, if it was no ordinary reset.
@@ -162,7 +165,7 @@ impl Conversation {
             }
             ToBoard::WriteParameters(_, parameters) => {
                 return match parameters.validate() {
-                    Ok(()) => Action::Keep(parameters),
+                    Ok(()) => Action::Keep(parameters.at_port(self.board.port)),
                     Err(error) => refused(error.into()),
                 };
             }
@@ -182,6 +185,13 @@ impl Conversation {
             ToBoard::Accept(_) => OperatorCommand::Accept,
             ToBoard::Revert => OperatorCommand::Revert,
             ToBoard::Save(_) => return self.saved(&now.status),
+            ToBoard::Inject(..) if self.board.port != RigPort::Simulated => {
+                return refused(Refusal::NotSimulated);
+            }
+            ToBoard::Inject(_, injection) => match injection.validate() {
+                Ok(()) => OperatorCommand::Inject(injection),
+                Err(invalid) => return refused(Refusal::range(invalid.field, invalid.allowed)),
+            },
         };
         if now.takes_command {
             Action::Command(Numbered { sequence, message: command })
@@ -290,6 +300,7 @@ impl Conversation {
         ToHost::Identity(Identity {
             firmware: link::text(self.board.firmware),
             chip: link::text(self.board.chip),
+            port: self.board.port,
             parameters: parameters::VERSION,
             provenance: self.provenance,
             nonce: self.board.nonce,

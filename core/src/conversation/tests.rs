@@ -3,6 +3,7 @@ mod trial;
 use super::*;
 use crate::SAMPLE_TIME;
 use crate::axes::PerAxis;
+use crate::bench::Injection;
 use crate::gains;
 use crate::pipeline::Settings;
 use crate::plant::presets;
@@ -17,8 +18,14 @@ fn parameters() -> Parameters {
     Parameters::new(&presets::AERO2, &Settings::paper(&presets::AERO2, gains::PAPER, SAMPLE_TIME))
 }
 
-const BOARD: Board =
-    Board { firmware: "0.1.0", chip: "stm32f405rg", nonce: NONCE, reset: None, baud: link::BAUD };
+const BOARD: Board = Board {
+    firmware: "0.1.0",
+    chip: "stm32f405rg",
+    port: RigPort::Pwm,
+    nonce: NONCE,
+    reset: None,
+    baud: link::BAUD,
+};
 
 fn board(provenance: Provenance) -> Conversation {
     Conversation::new(BOARD, parameters(), provenance)
@@ -276,5 +283,39 @@ proptest! {
                 prop_assert_eq!(repeated, Response { heard: false, action: Action::Nothing });
             }
         }
+    }
+}
+
+/// What befalls a rig is told to a simulated one only, within its range, and for this boot.
+#[test]
+fn only_a_board_with_a_simulated_rig_lets_something_befall_it() {
+    let say = |port, injection| {
+        let board = Conversation::new(Board { port, ..BOARD }, parameters(), Provenance::Stored);
+        Host { board, ..Host::new(Provenance::Stored) }.say(ToBoard::Inject(NONCE, injection))
+    };
+    assert_eq!(refusal(say(RigPort::Pwm, Injection::Rest)), Refusal::NotSimulated);
+    let taken = say(RigPort::Simulated, Injection::Supply(12.0));
+    let Action::Command(Numbered { message, .. }) = taken else { panic!("{taken:?}") };
+    assert_eq!(message, OperatorCommand::Inject(Injection::Supply(12.0)));
+    let beyond = refusal(say(RigPort::Simulated, Injection::Supply(76.0)));
+    assert_eq!(beyond, Refusal::range("inject.supply", "0 to 75 V"));
+    let mut host = Host::new(Provenance::Stored);
+    let other = host.say(ToBoard::Inject(Nonce(NONCE.0 + 1), Injection::Rest));
+    assert_eq!(refusal(other), Refusal::Nonce);
+}
+
+/// A record that was checked on a simulated rig does not arm a real one, nor the other way round.
+#[test]
+fn what_was_checked_at_another_kind_of_port_is_kept_as_not_checked() {
+    for (own, other) in [(RigPort::Pwm, RigPort::Simulated), (RigPort::Simulated, RigPort::Pwm)] {
+        let keep = |port| {
+            let board = Conversation::new(Board { port: own, ..BOARD }, parameters(), Provenance::Stored);
+            let record = Parameters { checked: true, port, ..parameters() };
+            let mut host = Host { board, ..Host::new(Provenance::Stored) };
+            let Action::Keep(kept) = host.say(ToBoard::WriteParameters(NONCE, record)) else { panic!() };
+            (kept.checked, kept.port)
+        };
+        assert_eq!(keep(own), (true, own));
+        assert_eq!(keep(other), (false, own));
     }
 }

@@ -33,10 +33,12 @@ mod wire;
 
 pub use wire::{Decoder, LinkError, MAX_FRAME, MAX_MESSAGE, encode};
 
+use crate::bench::Injection;
 use crate::first_power::Verdict;
 use crate::parameters::{ParameterError, Parameters, Provenance};
 use crate::reference::Reference;
 use crate::replay::{Replayed, Sample};
+use crate::rig_port::RigPort;
 use crate::sequence::{Numbered, Sequence};
 use crate::supervisor::Condition;
 use crate::telemetry::Frame;
@@ -47,7 +49,7 @@ use serde::{Deserialize, Serialize};
 /// \[baud\] Of the serial line between host and board: 8 data bits, no parity, 1 stop bit.
 pub const BAUD: u32 = 1_000_000;
 /// Version of the messages, the first byte of each.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 /// \[byte\] The most that a frame of telemetry takes on the wire.
 pub const MAX_TELEMETRY: u32 = 90;
 
@@ -115,6 +117,8 @@ pub enum ToBoard {
     /// The accepted controller to flash, with the parameters it was tried with; only while disarmed. Answered
     /// by [`ToHost::Saved`] or [`ToHost::Refused`].
     Save(Nonce),
+    /// To let this befall the rig, where the board simulates it; refused by any other.
+    Inject(Nonce, Injection),
 }
 
 impl ToBoard {
@@ -128,6 +132,7 @@ impl ToBoard {
             | Self::Accept(nonce)
             | Self::Save(nonce)
             | Self::Trial(nonce, _)
+            | Self::Inject(nonce, _)
             | Self::WriteParameters(nonce, _) => Some(*nonce),
             _ => None,
         }
@@ -143,6 +148,7 @@ impl ToBoard {
             | Self::Accept(nonce)
             | Self::Save(nonce)
             | Self::Trial(nonce, _)
+            | Self::Inject(nonce, _)
             | Self::WriteParameters(nonce, _) => *nonce = now,
             _ => {}
         }
@@ -204,6 +210,8 @@ pub struct Identity {
     pub firmware: String<16>,
     /// Its chip, such as `stm32f405rg`.
     pub chip: String<16>,
+    /// What its rig is.
+    pub port: RigPort,
     /// Version of the parameter record.
     pub parameters: u16,
     /// Where the parameters in force come from.
@@ -271,6 +279,8 @@ pub enum Refusal {
         /// \[ticks\] From frame to frame at least.
         least: u16,
     },
+    /// Only a rig that the board simulates is told what befalls it.
+    NotSimulated,
 }
 
 impl Refusal {

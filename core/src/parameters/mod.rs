@@ -6,6 +6,7 @@
 //! same numbers.
 
 pub mod ram_flash;
+mod rig;
 pub mod store;
 
 use crate::SAMPLE_TIME;
@@ -14,6 +15,7 @@ use crate::first_power::Push;
 use crate::pipeline::Settings;
 use crate::plant::presets::Rig;
 use crate::real::Real;
+use crate::rig_port::RigPort;
 use crate::supervisor::{Condition, Conditions};
 use crate::validate::{Invalid, both, not_negative, positive, require};
 use core::fmt;
@@ -23,7 +25,7 @@ use store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 
 /// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers
 /// would mean something else; the board then keeps its motors off until a record of this version is stored.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 
 /// What a board runs with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,6 +38,8 @@ pub struct Parameters {
     pub limits: Limits,
     /// Has the first-power check been passed with this wiring?
     pub checked: bool,
+    /// At which kind of port. What was checked at another counts for nothing: [`Parameters::at_port`].
+    pub port: RigPort,
 }
 
 /// One encoder and the pose in which it is zeroed.
@@ -128,20 +132,21 @@ pub enum Provenance {
     Damaged,
 }
 
-/// The parameters that a board boots with: those in `store`, or else the built-in ones. `buffer` is room to
-/// work in.
+/// The parameters that a board with `port` boots with: those in `store`, or else the built-in ones. `buffer`
+/// is room to work in.
 pub fn load<F: NorFlash>(
     store: &mut Store<F>,
     buffer: &mut [u8; SLOT_SIZE],
+    port: RigPort,
     built_in: impl FnOnce() -> Parameters,
 ) -> (Parameters, Provenance) {
     let provenance = match store.load(buffer).map(|bytes| bytes.map(Parameters::decode)) {
-        Ok(Some(Ok(parameters))) => return (parameters, Provenance::Stored),
+        Ok(Some(Ok(parameters))) => return (parameters.at_port(port), Provenance::Stored),
         Ok(Some(Err(error))) => Provenance::without(error),
         Ok(None) => Provenance::Missing,
         Err(_) => Provenance::Damaged,
     };
-    (built_in(), provenance)
+    (built_in().at_port(port), provenance)
 }
 
 /// Keeps `parameters` in `store`. `buffer` is room to work in.
@@ -232,7 +237,14 @@ impl Parameters {
                 check: Push::predicted(rig, rig.volts_limit.map(|limit| 0.5 * limit)),
             },
             checked: false,
+            port: RigPort::Pwm,
         }
+    }
+
+    /// As a board with `port` takes them: what was checked at another kind of port is not checked.
+    #[must_use]
+    pub fn at_port(self, port: RigPort) -> Self {
+        Self { checked: self.checked && self.port == port, port, ..self }
     }
 
     /// The record as bytes.

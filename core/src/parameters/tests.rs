@@ -233,3 +233,20 @@ fn bytes_that_are_no_record_are_refused() {
     other[0] = 1;
     assert_eq!(Parameters::decode(&other), Err(ParameterError::Version { found: 1 }));
 }
+
+/// The same at boot: flash that was written by a firmware for another kind of rig.
+#[test]
+fn a_board_boots_unchecked_with_what_was_checked_at_another_kind_of_port() {
+    for (stored, own, checked) in [
+        (RigPort::Pwm, RigPort::Pwm, true),
+        (RigPort::Simulated, RigPort::Pwm, false),
+        (RigPort::Pwm, RigPort::Simulated, false),
+    ] {
+        let mut store = Store::new(RamFlash::default(), 0);
+        let record = Parameters { checked: true, port: stored, ..parameters(&presets::AERO2) };
+        super::save(&mut store, &record, &mut [0; SLOT_SIZE]).unwrap();
+        let (loaded, provenance) =
+            super::load(&mut store, &mut [0; SLOT_SIZE], own, || panic!("one is stored"));
+        assert_eq!((loaded.checked, loaded.port, provenance), (checked, own, Provenance::Stored));
+    }
+}

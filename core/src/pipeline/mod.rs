@@ -104,6 +104,16 @@ impl<R: Real> Pipeline<R> {
         self.law.restart();
     }
 
+    /// The rotors stand still and the motors are cold, whatever was before.
+    pub fn forget_motion(&mut self) {
+        if let Some(rotors) = &mut self.rotors {
+            rotors.stop();
+        }
+        if let Some(limit) = &mut self.current_limit {
+            limit.cool();
+        }
+    }
+
     /// Takes over what `from`, on the same rig, is in: where the rotors and the motors' heat are, how far the
     /// reference is on its way, and the whole of each part whose settings (`own` here, `others` there) are
     /// the same.

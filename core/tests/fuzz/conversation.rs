@@ -13,6 +13,7 @@ use twinrotor::parameters::Provenance;
 use twinrotor::plant::presets::PWM_STEPS;
 use twinrotor::reference::Reference;
 use twinrotor::replay::Sample;
+use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::trial::{Attempt, Candidate};
@@ -74,7 +75,14 @@ struct FuzzedBoard {
 
 impl FuzzedBoard {
     fn boot() -> Self {
-        let board = Board { firmware: "0", chip: "none", nonce: NONCE, reset: None, baud: link::BAUD };
+        let board = Board {
+            firmware: "0",
+            chip: "none",
+            port: RigPort::Pwm,
+            nonce: NONCE,
+            reset: None,
+            baud: link::BAUD,
+        };
         let parameters = sound();
         let drive = Drive::new(PWM_STEPS);
         Self {

@@ -12,7 +12,7 @@ import struct
 import sys
 import zlib
 
-MESSAGES_VERSION, RECORD_VERSION = 3, 5
+MESSAGES_VERSION, RECORD_VERSION = 4, 6
 # Of the boot that messages are meant for.
 NONCE = 0x89AB_CDEF
 
@@ -61,7 +61,7 @@ def numbered_record():
     settings += controller(f)
     encoders = f(1) + signed(-1) + f(1) + signed(300)
     limits = f(5) + whole(500) + whole(1) + whole(2_000) + f(1) + f(14)  # lost link: hold, 2,000 ticks
-    return settings + encoders + limits + some
+    return settings + encoders + limits + some + whole(1)  # checked, at a simulated rig
 
 
 def to_board():
@@ -84,6 +84,17 @@ def to_board():
     yield "accept", whole(13) + nonce
     yield "revert", whole(14)
     yield "save", whole(15) + nonce
+    yield "inject-rest", whole(16) + nonce + whole(0)
+    # Swapped, reversed, open motors; swapped, reversed, stuck encoders; slip; drift.
+    faults = b"\x01" + b"\x00\x01" + b"\x01\x00" + b"\x00" + b"\x01\x00" + b"\x00\x01"
+    faults += signed(40) + signed(-40) + signed(0) + signed(1)
+    yield "inject-wiring", whole(16) + nonce + whole(1) + faults
+    yield "inject-supply", whole(16) + nonce + whole(2) + numbers(1)
+    yield "inject-disturbance", whole(16) + nonce + whole(3) + numbers(2)
+    yield "inject-current-limit", whole(16) + nonce + whole(4) + b"\x01"
+    yield "inject-emergency-stop", whole(16) + nonce + whole(5) + b"\x01"
+    yield "inject-weight", whole(16) + nonce + whole(6) + numbers(2)
+    yield "inject-stall", whole(16) + nonce + whole(7) + b"\x03"
 
 
 def to_host():
@@ -94,7 +105,7 @@ def to_host():
     for number in range(27):
         yield f"frame-fault-{number}", whole(0) + whole(1) + whole(4) + whole(number) + whole(0) + tail
     yield "health", whole(1) + whole(1) + whole(2) + whole(3) + whole(150_000) + whole(4) + whole(16_384)
-    identity = whole(2) + text("0.1.0") + text("stm32f405rg") + whole(RECORD_VERSION)
+    identity = whole(2) + text("0.1.0") + text("stm32f405rg") + whole(1) + whole(RECORD_VERSION)
     boot = whole(NONCE) + whole(300)
     yield "identity", identity + whole(0) + boot + b"\x00"
     yield "identity-reset", identity + whole(1) + boot + b"\x01" + whole(20) + whole(0x0801_2345) + whole(7)
@@ -118,6 +129,7 @@ def to_host():
     for number, refusal in enumerate(["not-armed", "trial-under-way", "nothing-to-accept"], start=8):
         yield f"refused-{refusal}", whole(7) + whole(number)
     yield "refused-too-often", whole(7) + whole(11) + whole(300)
+    yield "refused-not-simulated", whole(7) + whole(12)
 
 
 def choices():

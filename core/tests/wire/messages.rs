@@ -4,6 +4,7 @@ use crate::record::{controller, numbered};
 use crate::{compare, counting};
 use serde::Serialize;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::{Faults, Injection};
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::{
     Health, Identity, MAX_FRAME, Nonce, Refusal, ResetReport, ToBoard, ToHost, encode, text,
@@ -11,6 +12,7 @@ use twinrotor::link::{
 use twinrotor::parameters::{self, Provenance};
 use twinrotor::reference::Reference;
 use twinrotor::replay::{Replayed, Sample};
+use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::Sequence;
 use twinrotor::supervisor::{ArmState, Condition, Conditions};
 use twinrotor::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
@@ -43,6 +45,17 @@ fn every_message_to_the_board_is_its_literal() {
         let (counts, volts) = (PerAxis { pitch: -3, yaw: 1_000_000 }, PerMotor { main: 1.0, tail: 2.0 });
         ToBoard::Replay(Sample { number: 70_000, counts, volts, wanted })
     };
+    let faults = Faults {
+        motors_swapped: true,
+        motor_reversed: PerMotor { main: false, tail: true },
+        motor_open: PerMotor { main: true, tail: false },
+        encoders_swapped: false,
+        encoder_reversed: PerAxis { pitch: true, yaw: false },
+        encoder_stuck: PerAxis { pitch: false, yaw: true },
+        slip: PerAxis { pitch: 40, yaw: -40 },
+        drift: PerAxis { pitch: 0, yaw: 1 },
+    };
+    let inject = |injection| ToBoard::Inject(nonce, injection);
     let messages = [
         ("alive", ToBoard::Alive),
         ("identify", ToBoard::Identify),
@@ -61,6 +74,14 @@ fn every_message_to_the_board_is_its_literal() {
         ("accept", ToBoard::Accept(nonce)),
         ("revert", ToBoard::Revert),
         ("save", ToBoard::Save(nonce)),
+        ("inject-rest", inject(Injection::Rest)),
+        ("inject-wiring", inject(Injection::Wiring(faults))),
+        ("inject-supply", inject(Injection::Supply(1.0))),
+        ("inject-disturbance", inject(Injection::Disturbance(PerMotor { main: 1.0, tail: 2.0 }))),
+        ("inject-current-limit", inject(Injection::CurrentLimit(true))),
+        ("inject-emergency-stop", inject(Injection::EmergencyStop(true))),
+        ("inject-weight", inject(Injection::Weight { mass: 1.0, arm: 2.0 })),
+        ("inject-stall", inject(Injection::Stall { ticks: 3 })),
     ];
     let sequence = (40_000..).map(Sequence);
     let framed = messages.into_iter().zip(sequence).map(|((name, message), sequence)| {
@@ -161,6 +182,7 @@ fn answers() -> Vec<(String, ToHost)> {
         ToHost::Identity(Identity {
             firmware: text("0.1.0"),
             chip: text("stm32f405rg"),
+            port: RigPort::Simulated,
             parameters: parameters::VERSION,
             provenance,
             nonce: NONCE,
@@ -206,6 +228,7 @@ fn answers() -> Vec<(String, ToHost)> {
         ("refused-trial-under-way", ToHost::Refused(Refusal::TrialUnderWay)),
         ("refused-nothing-to-accept", ToHost::Refused(Refusal::NothingToAccept)),
         ("refused-too-often", ToHost::Refused(Refusal::TooOften { least: 300 })),
+        ("refused-not-simulated", ToHost::Refused(Refusal::NotSimulated)),
     ]
     .map(|(name, message)| (name.to_owned(), message))
     .into()

@@ -18,6 +18,7 @@ use twinrotor::parameters::store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 use twinrotor::parameters::{EncoderScale, Limits, LostLink, Parameters};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::{Effectiveness, PlantParameters};
+use twinrotor::rig_port::RigPort;
 
 type Next<'a> = &'a mut dyn FnMut() -> f32;
 
@@ -108,6 +109,7 @@ pub(crate) fn numbered() -> Parameters {
         },
         limits: limits(n),
         checked: true,
+        port: RigPort::Simulated,
     }
 }
 

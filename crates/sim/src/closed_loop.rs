@@ -21,6 +21,7 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{IdealPlant, PlantParameters, RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Request};
 
@@ -203,6 +204,7 @@ impl ReadyBoard {
                 check: PerMotor::both(Push::default()),
             },
             checked: true,
+            port: RigPort::Pwm,
         };
         let drive = Drive::new(hardware.pwm_steps);
         let (counters, supply) = (bench.counters(), bench.supply);

@@ -5,8 +5,7 @@
 //! where it was zeroed, through the same loop and the same bench.
 
 use std::collections::BTreeMap;
-use twinrotor::SAMPLE_TIME;
-use twinrotor::bench::Bench;
+use twinrotor::bench::SimulatedRig;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
@@ -14,7 +13,7 @@ use twinrotor::first_power::REST_TICKS;
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets::Rig;
 use twinrotor::sequence::{Numbered, Sequence};
-use twinrotor::supervisor::{ArmState, Request};
+use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::telemetry::Frame;
 use twinrotor::trial::{Attempt, Candidate};
 use twinrotor_sim::{Error, Outcome};
@@ -44,7 +43,7 @@ pub fn again(
     let first = frames.iter().find(|frame| frame.tick >= armed).ok_or_else(|| missing("it flew"))?;
     let candidate = tried.map(|(sequence, attempt)| Candidate::new(parameters, attempt, *sequence));
     let candidate = candidate.transpose().map_err(Error::from)?;
-    let mut host = Host::at_rest(rig, parameters, first.supply);
+    let mut host = Host::at_rest(rig, parameters, first.supply, zeroed);
     host.candidate = candidate;
     let mut same = 0;
     let mut flown = frames.iter().filter(|frame| frame.tick >= armed).peekable();
@@ -56,9 +55,9 @@ pub fn again(
         host.tick(command);
         let Some(there) = flown.next_if(|frame| frame.tick == tick) else { continue };
         let here = host.control.frame();
-        if bits(&here) != bits(there) || here.state != there.state {
+        if let Some(difference) = difference(&here, there) {
             return Err(Error::Failed(format!(
-                "{} ticks after arming the flight is not the same: here {here:?}, there {there:?}",
+                "{} ticks after arming, in the board's tick {tick}, the flight is not the same: {difference}",
                 tick - armed
             )));
         }
@@ -73,24 +72,30 @@ fn taken(frames: &[Frame]) -> BTreeMap<u32, Sequence> {
     told.map(|frame| (frame.tick.wrapping_sub(frame.taken.ago.into()), frame.taken.sequence)).collect()
 }
 
+/// \[ticks\] A power of two, and a multiple of all periods in which something is done every so many ticks.
+const PHASE: u32 = 1_024;
+
 /// The board's loop with its rig.
 struct Host {
-    bench: Bench<f32>,
+    rig: SimulatedRig,
     control: ControlLoop,
     candidate: Option<Candidate>,
 }
 
 impl Host {
-    /// Has lain at rest for long enough to be zeroed.
-    fn at_rest(rig: &Rig, parameters: &Parameters, supply: f32) -> Self {
-        let mut bench = Bench::at_rest(rig, SAMPLE_TIME);
-        bench.supply = supply;
-        bench.hold();
+    /// Has lain at rest for long enough to be zeroed, in the board's tick `zeroed`: what is done every few
+    /// ticks is then done in the same ones.
+    fn at_rest(rig: &Rig, parameters: &Parameters, supply: f32, zeroed: u32) -> Self {
         let drive = Drive::new(rig.pwm_steps);
+        let mut rig = SimulatedRig::new(rig);
+        rig.bench.supply = supply;
+        rig.bench.hold();
         let parameters = Parameters { checked: true, ..*parameters };
-        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-        let mut host = Self { bench, control, candidate: None };
-        (0..2 * REST_TICKS).for_each(|_| host.tick(None));
+        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, rig.counters(), drive, None);
+        let mut host = Self { rig, control, candidate: None };
+        let least = 2 * REST_TICKS;
+        let ticks = least + zeroed.wrapping_sub(least) % PHASE;
+        (0..ticks).for_each(|_| host.tick(None));
         host
     }
 
@@ -98,17 +103,51 @@ impl Host {
         let outputs = self.control.tick(&Inputs {
             trial: self.candidate.as_ref(),
             command,
-            ..Inputs::sound(self.bench.counters(), self.bench.supply)
+            current_limit: self.rig.current_limit(),
+            senses: Conditions::NONE.with(Condition::EmergencyStop, self.rig.emergency_stop()),
+            ..Inputs::sound(self.rig.counters(), self.rig.supply())
         });
-        self.bench.tick(outputs.duty, outputs.enable);
+        if let Some(Numbered { message: OperatorCommand::Inject(injection), .. }) = command {
+            self.rig.inject(injection);
+        }
+        self.rig.tick(outputs.duty, self.control.state());
     }
 }
 
-/// Every number of a frame that a loop computes, as bits.
+/// Every number of a frame that a loop computes, with its name.
+fn numbers(frame: &Frame) -> [(&'static str, f32); 15] {
+    let Frame { angle, rate, disturbance, reference, demand, unallocated_torque, volts, supply, .. } = *frame;
+    [
+        ("angle.pitch", angle.pitch),
+        ("angle.yaw", angle.yaw),
+        ("rate.pitch", rate.pitch),
+        ("rate.yaw", rate.yaw),
+        ("disturbance.pitch", disturbance.pitch),
+        ("disturbance.yaw", disturbance.yaw),
+        ("reference.pitch", reference.pitch),
+        ("reference.yaw", reference.yaw),
+        ("unallocated_torque.pitch", unallocated_torque.pitch),
+        ("unallocated_torque.yaw", unallocated_torque.yaw),
+        ("demand.main", demand.main),
+        ("demand.tail", demand.tail),
+        ("volts.main", volts.main),
+        ("volts.tail", volts.tail),
+        ("supply", supply),
+    ]
+}
+
+/// The same as bits.
 pub fn bits(frame: &Frame) -> Vec<u32> {
-    let axes = [frame.angle, frame.rate, frame.disturbance, frame.reference, frame.unallocated_torque];
-    let motors = [frame.demand, frame.volts];
-    let axes = axes.iter().flat_map(|axis| [axis.pitch, axis.yaw]);
-    let motors = motors.iter().flat_map(|motor| [motor.main, motor.tail]);
-    axes.chain(motors).chain([frame.supply]).map(f32::to_bits).collect()
+    numbers(frame).map(|(_, number)| number.to_bits()).to_vec()
+}
+
+/// The first number that is not the same, or the state.
+fn difference(here: &Frame, there: &Frame) -> Option<String> {
+    let pairs = numbers(here).into_iter().zip(numbers(there));
+    let mut different = pairs.filter(|((_, here), (_, there))| here.to_bits() != there.to_bits());
+    if let Some(((name, here), (_, there))) = different.next() {
+        return Some(format!("{name} is {here:e} here, {there:e} on the board"));
+    }
+    let (here, there) = (here.state, there.state);
+    (here != there).then(|| format!("the state is {here:?} here, {there:?} on the board"))
 }

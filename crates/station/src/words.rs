@@ -1,5 +1,7 @@
 //! What a board says, in words for its operator.
 
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::{Faults, Injection};
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::{Refusal, ResetReport};
 use twinrotor::supervisor::{Condition, Conditions};
@@ -112,7 +114,51 @@ pub fn refusal(refusal: &Refusal) -> String {
         Refusal::TooOften { least } => {
             format!("the board's line carries a frame every {least} ms, no more often")
         }
+        Refusal::NotSimulated => {
+            "the board's rig is real: only a simulated one is told what befalls it".to_owned()
+        }
     }
+}
+
+/// What befalls a simulated rig.
+pub fn injection(injection: &Injection) -> String {
+    match injection {
+        Injection::Rest => "the rig is laid down in its rest pose, sound".to_owned(),
+        Injection::Wiring(faults) => wiring_faults(faults),
+        Injection::Supply(volts) => format!("the amplifiers' supply is {volts} V"),
+        Injection::Disturbance(PerMotor { main, tail }) => {
+            format!("{main} V and {tail} V are added to what the main and the tail motor do")
+        }
+        Injection::CurrentLimit(true) => "the amplifiers report a fault".to_owned(),
+        Injection::CurrentLimit(false) => "the amplifiers report no fault".to_owned(),
+        Injection::EmergencyStop(true) => "the emergency stop is pressed".to_owned(),
+        Injection::EmergencyStop(false) => "the emergency stop is released".to_owned(),
+        Injection::Weight { mass, arm } => format!("{mass} kg hang {arm} m in front of the pivot"),
+        Injection::Stall { ticks } => format!("a tick takes {ticks} ms more"),
+    }
+}
+
+fn wiring_faults(faults: &Faults) -> String {
+    let mut told = Vec::new();
+    let mut axes = |which: PerAxis<bool>, what: &str| {
+        for (is, axis) in [(which.pitch, "pitch"), (which.yaw, "yaw")] {
+            told.extend(is.then(|| format!("the {axis} encoder {what}")));
+        }
+    };
+    axes(faults.encoder_stuck, "stands still");
+    axes(faults.encoder_reversed, "counts backwards");
+    axes(faults.slip.map(|counts| counts != 0), "slips");
+    axes(faults.drift.map(|counts| counts != 0), "drifts");
+    let mut motors = |which: PerMotor<bool>, what: &str| {
+        for (is, motor) in [(which.main, "main"), (which.tail, "tail")] {
+            told.extend(is.then(|| format!("the {motor} motor {what}")));
+        }
+    };
+    motors(faults.motor_open, "is not connected");
+    motors(faults.motor_reversed, "turns backwards");
+    told.extend(faults.motors_swapped.then(|| "the motors are swapped".to_owned()));
+    told.extend(faults.encoders_swapped.then(|| "the encoders are swapped".to_owned()));
+    if told.is_empty() { "the wiring is sound".to_owned() } else { told.join("; ") }
 }
 
 #[cfg(test)]

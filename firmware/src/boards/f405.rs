@@ -21,6 +21,7 @@ pub(crate) const BOARD: Board = Board {
     // 3.3 V behind 100 k and 10 k ohm.
     supply_channel: 10,
     supply_full_scale: 3.3 * 11.0,
+    button: None,
     wiring: WIRING,
 };
 

@@ -1,6 +1,6 @@
 //! Any board with an STM32F407VG and a crystal of 8 MHz that leaves these pins free.
 
-use super::{Board, Clocks, Source};
+use super::{Board, Button, Clocks, Source};
 
 /// This board.
 pub(crate) const BOARD: Board = Board {
@@ -21,6 +21,7 @@ pub(crate) const BOARD: Board = Board {
     // 3.3 V behind 100 k and 10 k ohm.
     supply_channel: 10,
     supply_full_scale: 3.3 * 11.0,
+    button: Some(Button { pin: "PA0", pressed_high: true }),
     wiring: WIRING,
 };
 

@@ -19,13 +19,36 @@ pub(crate) struct Board {
     /// Where its clocks come from.
     pub(crate) clocks: Clocks,
     /// \[ns\] Between the two outputs of a half bridge, neither is on.
+    #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) dead_time_ns: u32,
     /// ADC1's channel at [`Wiring::supply`], 10 to 15.
+    #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) supply_channel: u8,
     /// \[V\] The amplifiers' supply at the converter's full scale.
+    #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) supply_full_scale: f32,
+    /// The user button, the emergency stop of a simulated rig. It has a resistor on the board.
+    #[cfg_attr(
+        all(target_os = "none", not(feature = "simulated")),
+        expect(dead_code, reason = "of a simulated rig alone")
+    )]
+    pub(crate) button: Option<Button>,
     /// What is connected where.
+    #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) wiring: Wiring,
+}
+
+/// A user button.
+#[derive(Clone, Copy)]
+#[cfg_attr(
+    all(target_os = "none", not(feature = "simulated")),
+    expect(dead_code, reason = "of a simulated rig alone")
+)]
+pub(crate) struct Button {
+    /// Its pin.
+    pub(crate) pin: &'static str,
+    /// The level that says that it is pressed.
+    pub(crate) pressed_high: bool,
 }
 
 impl Board {
@@ -46,6 +69,7 @@ impl Board {
 
     /// \[counts\] The dead time, in periods of the PWM's timer (reference manual RM0090, 17.4.18: DTG up to
     /// 127 counts them).
+    #[cfg(not(all(target_os = "none", feature = "simulated")))]
     #[expect(clippy::cast_possible_truncation, reason = "asserted")]
     pub(crate) const fn dead_time(&self) -> u8 {
         let counts = self.clocks.pwm_timer_hz() / 1_000_000 * self.dead_time_ns / 1_000;
@@ -273,17 +297,20 @@ macro_rules! wiring {
                 crate::boards::Stream::named(stringify!($in));
 
             /// Does each encoder's timer count?
+            #[cfg(not(feature = "simulated"))]
             pub(crate) fn encoders_count() -> bool {
                 pac::$pitch.cr1().read().cen() && pac::$yaw.cr1().read().cen()
             }
 
             /// Has all channels of the encoders filtered alike.
+            #[cfg(not(feature = "simulated"))]
             pub(crate) fn filter_encoders(filter: pac::timer::vals::FilterValue) {
                 pac::$pitch.ccmr_input(0).modify(|w| (0..2).for_each(|channel| w.set_icf(channel, filter)));
                 pac::$yaw.ccmr_input(0).modify(|w| (0..2).for_each(|channel| w.set_icf(channel, filter)));
             }
 
             /// What the board's wiring needs of the chip.
+            #[cfg_attr(feature = "simulated", expect(dead_code, reason = "no rig is wired to it"))]
             pub(crate) struct Parts {
                 pub(crate) pwm_timer: Peri<'static, peripherals::TIM1>,
                 pub(crate) stopwatch: Peri<'static, peripherals::TIM5>,

@@ -1,6 +1,6 @@
 //! ST Nucleo-F446RE: the ST-LINK feeds its 8 MHz in, and its serial port is at PA2 and PA3.
 
-use super::{Board, Clocks, Source};
+use super::{Board, Button, Clocks, Source};
 
 /// This board.
 pub(crate) const BOARD: Board = Board {
@@ -21,6 +21,7 @@ pub(crate) const BOARD: Board = Board {
     // 3.3 V behind 100 k and 10 k ohm.
     supply_channel: 10,
     supply_full_scale: 3.3 * 11.0,
+    button: Some(Button { pin: "PC13", pressed_high: false }),
     wiring: WIRING,
 };
 

@@ -7,8 +7,15 @@ use crate::boards::{PitchTimer, YawTimer};
 use embassy_stm32::gpio::Output;
 use embassy_stm32::timer::qei::Qei;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::Injection;
 use twinrotor::drive::{Drive, Duty};
 use twinrotor::encoder::CounterWidth;
+use twinrotor::parameters::Parameters;
+use twinrotor::rig_port::RigPort;
+use twinrotor::supervisor::ArmState;
+
+/// A real rig: the board has nothing of it.
+pub(crate) struct Wired;
 
 /// A rig whose motors and encoders are wired to the board.
 pub(crate) struct EncoderPwmPort {
@@ -34,13 +41,20 @@ impl EncoderPwmPort {
 }
 
 impl PlantPort for EncoderPwmPort {
+    const KIND: RigPort = RigPort::Pwm;
     const COUNTER_WIDTH: CounterWidth = CounterWidth::Bits16;
+    type Rig = Wired;
+
+    fn rig(_: &Parameters) -> Wired {
+        Wired
+    }
 
     fn drive(&self) -> Drive<f32> {
         Drive::limited(amplifier::FULL_STEPS, amplifier::MOST_STEPS)
     }
 
-    fn counters(&mut self) -> PerAxis<u32> {
+    #[inline(always)]
+    fn counters(&mut self, _: &Wired) -> PerAxis<u32> {
         PerAxis::new(self.pitch.count().into(), self.yaw.count().into())
     }
 
@@ -48,14 +62,26 @@ impl PlantPort for EncoderPwmPort {
         self.senses.read()
     }
 
-    fn write(&mut self, duty: PerMotor<Duty<f32>>, enable: bool) {
-        if enable {
+    #[inline(always)]
+    fn seen(sensed: Sensed, _: &Wired) -> Sensed {
+        sensed
+    }
+
+    /// The conversation refuses it.
+    fn inject(_: &mut Wired, _: &Injection) {}
+
+    fn write(&mut self, _: &mut Wired, duty: PerMotor<Duty<f32>>, state: ArmState) {
+        if state.motors_may_turn() {
             amplifier::set(duty.map(Duty::steps));
             amplifier::on();
         } else {
-            amplifier::off();
-            amplifier::set(PerMotor::both(0));
+            self.rest();
         }
+    }
+
+    fn rest(&mut self) {
+        amplifier::off();
+        amplifier::set(PerMotor::both(0));
     }
 
     fn off() {

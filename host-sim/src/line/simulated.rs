@@ -7,7 +7,8 @@ use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError};
-use twinrotor::plant::presets::Rig;
+use twinrotor::plant::presets::{PWM_STEPS, Rig};
+use twinrotor::rig_port::RigPort;
 use twinrotor::telemetry::Frame;
 use twinrotor_sim::scenario::{Befallen, Scenario};
 use twinrotor_station::SimulatedBoard;
@@ -26,23 +27,25 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// `rig` in its rest pose, and a board that was given `parameters` before.
+    /// A board that was given `parameters` before and computes the rig of which they speak, in its rest pose.
+    /// Its wiring has been checked.
     ///
     /// # Errors
     ///
     /// If they have no room in a board's flash.
-    pub fn new(rig: &Rig, parameters: &Parameters, real_time: bool) -> Result<Self, ParameterError> {
+    pub fn new(parameters: &Parameters, real_time: bool) -> Result<Self, ParameterError> {
+        let parameters = Parameters { checked: true, port: RigPort::Simulated, ..*parameters };
         let mut store = Store::new(RamFlash::default(), 0);
-        parameters::save(&mut store, parameters, &mut [0; SLOT_SIZE])?;
-        let board = SimulatedBoard::new(rig, *parameters, store.into_flash());
-        let begun = real_time.then(Instant::now);
-        Ok(Self { board, ticks: 0, rig: *rig, scenario: None, befallen: None, begun })
+        parameters::save(&mut store, &parameters, &mut [0; SLOT_SIZE])?;
+        let board = SimulatedBoard::alone(parameters, store.into_flash());
+        let (rig, begun) = (parameters.rig(PWM_STEPS), real_time.then(Instant::now));
+        Ok(Self { board, ticks: 0, rig, scenario: None, befallen: None, begun })
     }
 
     /// The same rig with the hardware that `scenario` has, and with all that befalls it in each leg.
     #[must_use]
     pub fn befallen_by(mut self, scenario: &Scenario, seed: u64) -> Self {
-        Befallen::wear(scenario, &mut self.board.bench);
+        Befallen::wear(scenario, &mut self.board.rig.bench);
         self.scenario = Some((scenario.clone(), seed));
         self
     }
@@ -59,7 +62,7 @@ impl Line for Simulated {
         self.board.push(bytes);
         let tick = self.board.frame().tick.wrapping_add(1);
         if let Some((befallen, begun)) = &mut self.befallen {
-            befallen.befall(&mut self.board.bench, tick.wrapping_sub(*begun));
+            befallen.befall(&mut self.board.rig.bench, tick.wrapping_sub(*begun));
         }
         self.board.tick();
         self.ticks += 1;
@@ -71,7 +74,7 @@ impl Line for Simulated {
 
     fn begins(&mut self, tick: u32) {
         let Some((scenario, seed)) = &self.scenario else { return };
-        let befallen = Befallen::new(scenario, *seed, &self.rig, &self.board.bench);
+        let befallen = Befallen::new(scenario, *seed, &self.rig, &self.board.rig.bench);
         self.befallen = Some((befallen, tick));
     }
 

@@ -108,6 +108,15 @@ impl Firmware {
         Self::read(&built("debug-build/"))
     }
 
+    /// The released image that computes its rig itself: where `cargo fw-f405-sim` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn simulated() -> Result<Self, Error> {
+        Self::read(&built("f405-sim/"))
+    }
+
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
         let refuse = |why: String| Error::Elf(path.to_owned(), why);
         let elf = object::File::parse(&*bytes).map_err(|why| refuse(why.to_string()))?;

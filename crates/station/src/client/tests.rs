@@ -10,6 +10,7 @@ use twinrotor::parameters::Provenance;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;
 use twinrotor::replay::Replay;
+use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::Numbered;
 use twinrotor::telemetry::{Frame, TrialPhase};
 
@@ -28,6 +29,7 @@ fn board(nonce: u32) -> Conversation {
     let board = conversation::Board {
         firmware: "0.1.0",
         chip: "stm32f405rg",
+        port: RigPort::Pwm,
         nonce: Nonce(nonce),
         reset: None,
         baud: link::BAUD,

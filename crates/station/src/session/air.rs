@@ -144,9 +144,13 @@ impl Session {
                 let (Begin::Said(_, from) | Begin::In(from)) = *begin;
                 // What is said now is taken in the next tick at the earliest.
                 let due = course.due(tick.wrapping_add(1).wrapping_sub(from));
-                let over = matches!(begin, Begin::In(_)) && tick.wrapping_sub(from) >= course.ticks();
+                let begun = matches!(begin, Begin::In(_));
+                let over = begun && tick.wrapping_sub(from) >= course.ticks();
                 if let Some(setpoint) = due {
                     self.command(OperatorCommand::Setpoint(setpoint));
+                }
+                if begun {
+                    self.let_befall(tick.wrapping_sub(from));
                 }
                 if over {
                     self.land_or_go_on(leg, tick);
@@ -168,6 +172,17 @@ impl Session {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// What is to befall the rig by that tick of the flight.
+    fn let_befall(&mut self, tick: u32) {
+        while let Some((at, injection)) = self.plan.injections.first().copied()
+            && at <= tick
+        {
+            self.plan.injections.remove(0);
+            self.step("injected", words::injection(&injection));
+            self.command(OperatorCommand::Inject(injection));
         }
     }
 

@@ -6,19 +6,21 @@ use crate::differences::differences;
 use crate::words;
 use std::time::Duration;
 use twinrotor::axes::PerAxis;
+use twinrotor::bench::Injection;
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::{REST_TICKS, SETTLE_TICKS, Verdict};
-use twinrotor::link::{self, Identity, ToBoard};
+use twinrotor::link::{self, Identity, Refusal, ToBoard};
 use twinrotor::parameters::{Parameters, Provenance};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
+use twinrotor::rig_port::RigPort;
 use twinrotor::supervisor::{ArmState, Condition, Conditions, Request};
 use twinrotor::telemetry::Frame;
 
 /// How long a command may take to come to bear.
 const PROMPT: Duration = Duration::from_secs(3);
-/// From one `Zero` to the next: it is not taken while the rig moves.
-const ZERO_EVERY: Duration = Duration::from_millis(500);
+/// From one `Zero` or `ClearFault` to the next: not taken while the rig moves, or the cause is just passing.
+const AGAIN: Duration = Duration::from_millis(500);
 /// How long the rig may take to come to rest.
 const REST: Duration = Duration::from_millis(SETTLE_TICKS as u64);
 /// What does not keep a board from being prepared: it is dealt with step by step.
@@ -58,7 +60,13 @@ impl Session {
         }
         self.step(
             "found",
-            format!("{} with firmware {}, link version {}", identity.chip, identity.firmware, link::VERSION),
+            format!(
+                "{} with firmware {}, link version {}{}",
+                identity.chip,
+                identity.firmware,
+                link::VERSION,
+                if identity.port == RigPort::Simulated { "; it simulates its rig" } else { "" }
+            ),
         );
         if let Some(report) = &identity.reset {
             self.step("reset", words::reset(report));
@@ -76,8 +84,14 @@ impl Session {
         if let Some(told) = provenance {
             self.step("flash", told);
         }
+        // What the wiring's check found at another kind of rig counts for nothing here.
+        self.plan.parameters = self.plan.parameters.at_port(identity.port);
+        let simulates = identity.port == RigPort::Simulated;
         self.identity = Some(identity);
         self.heard = self.clock.now();
+        if !simulates && !self.plan.injections.is_empty() {
+            return self.trouble(words::refusal(&Refusal::NotSimulated));
+        }
         self.client.send(&ToBoard::Telemetry { every: self.plan.frame_every });
         self.phase = Phase::Looking;
     }
@@ -127,10 +141,23 @@ impl Session {
             }
             ArmState::Fault(cause) => {
                 self.step("fault", words::condition(cause));
+                self.lay_down();
                 self.command(OperatorCommand::Request(Request::ClearFault));
-                self.phase = Phase::Clearing { until: self.clock.now() + PROMPT };
+                let now = self.clock.now();
+                self.phase = Phase::Clearing { again: now + AGAIN, until: now + PROMPT };
             }
-            ArmState::Disarmed | ArmState::Ready => self.read(),
+            ArmState::Disarmed | ArmState::Ready => {
+                self.lay_down();
+                self.read();
+            }
+        }
+    }
+
+    /// A rig that the board simulates is laid down in its rest pose, sound: from there its flight can be
+    /// computed once more.
+    fn lay_down(&mut self) {
+        if self.identity.as_ref().is_some_and(|identity| identity.port == RigPort::Simulated) {
+            self.command(OperatorCommand::Inject(Injection::Rest));
         }
     }
 
@@ -227,8 +254,9 @@ impl Session {
 
     fn zero(&mut self) {
         let now = self.clock.now();
+        self.lay_down();
         let first = self.command(OperatorCommand::Zero);
-        self.phase = Phase::Zeroing { first, again: now + ZERO_EVERY, until: now + REST };
+        self.phase = Phase::Zeroing { first, again: now + AGAIN, until: now + REST };
     }
 
     /// Its encoders show the rest pose, to a count.
@@ -250,9 +278,13 @@ impl Session {
         let Some(frame) = self.frame else { return };
         let wrong = || words::conditions(frame.conditions);
         match &mut self.phase {
-            Phase::Clearing { until } if now >= *until => {
+            Phase::Clearing { until, .. } if now >= *until => {
                 let cause = words::conditions(frame.conditions.intersection(Conditions::HAZARDS));
                 self.trouble(format!("the fault cannot be cleared while {cause}"));
+            }
+            Phase::Clearing { again, .. } if now >= *again => {
+                *again += AGAIN;
+                self.command(OperatorCommand::Request(Request::ClearFault));
             }
             Phase::Settling { until } => {
                 let until = *until;
@@ -262,7 +294,7 @@ impl Session {
                 self.trouble(format!("the rig did not come to rest within {} s", REST.as_secs()));
             }
             Phase::Zeroing { again, .. } if now >= *again => {
-                *again += ZERO_EVERY;
+                *again += AGAIN;
                 self.command(OperatorCommand::Zero);
             }
             // It is over, and its verdict was lost on the line.

@@ -42,7 +42,7 @@ const SILENCE: Duration = Duration::from_secs(2);
 enum Phase {
     Finding,
     Looking,
-    Clearing { until: Duration },
+    Clearing { again: Duration, until: Duration },
     Reading,
     Writing,
     Settling { until: Duration },
@@ -188,6 +188,11 @@ impl Session {
         &self.said
     }
 
+    /// The board, once it has said who it is.
+    pub const fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
     /// The controller that was tried, and the number of the message.
     pub const fn tried(&self) -> Option<&(Sequence, Attempt)> {
         self.tried.as_ref()
@@ -248,6 +253,7 @@ impl Session {
             OperatorCommand::Zero => ToBoard::Zero,
             OperatorCommand::Accept => ToBoard::Accept(nonce),
             OperatorCommand::Revert => ToBoard::Revert,
+            OperatorCommand::Inject(injection) => ToBoard::Inject(nonce, injection),
             // What it is about has to be said with it.
             OperatorCommand::Try => return Sequence::default(),
         };

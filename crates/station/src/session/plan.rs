@@ -1,6 +1,7 @@
 //! What a session is to do, and what it has to tell.
 
 use crate::differences::Difference;
+use twinrotor::bench::Injection;
 use twinrotor::link::Health;
 use twinrotor::parameters::Parameters;
 use twinrotor::reference::Reference;
@@ -18,6 +19,8 @@ pub struct Plan {
     pub ask: bool,
     /// \[ticks\] From frame to frame.
     pub frame_every: u16,
+    /// What befalls a rig that the board simulates, and in which tick of the first flight; in order.
+    pub injections: Vec<(u32, Injection)>,
     /// What to fly, one after the other, each from level.
     pub legs: Vec<Leg>,
     /// Keep a controller that was accepted in flight, once the motors are off.

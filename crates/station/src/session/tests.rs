@@ -33,6 +33,7 @@ fn plan(rig: &Rig) -> Plan {
         write: Write::Never,
         ask: false,
         frame_every: 1,
+        injections: Vec::new(),
         legs: vec![Leg::Fly(leg)],
         save: false,
     }
@@ -218,7 +219,7 @@ fn an_interrupted_flight_ends_with_the_motors_seen_off_at_once() {
 #[test]
 fn a_fault_in_flight_is_told_in_words_and_cleared_the_next_time() {
     let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2)).flying();
-    desk.board.bench.supply = 2.0;
+    desk.board.rig.bench.supply = 2.0;
     let end = desk.end();
     assert!(why(&end).starts_with("a fault stopped the flight: the "), "{end:?}");
     assert!(matches!(end.ending, Ending::Stopped(_)) && end.motors == Motors::SeenOff && !desk.turns());
@@ -227,7 +228,7 @@ fn a_fault_in_flight_is_told_in_words_and_cleared_the_next_time() {
     let mut again = Desk::new(desk.board, plan(&AERO2));
     let end = again.end();
     assert!(why(&end).contains("cannot be cleared while the amplifiers' supply"), "{end:?}");
-    again.board.bench.supply = 24.0;
+    again.board.rig.bench.supply = 24.0;
     let mut again = Desk::new(again.board, plan(&AERO2));
     assert_eq!(again.end().ending, Ending::Flown, "{:?}", again.steps());
     assert_eq!(again.steps()[..3], ["found", "fault", "cleared"]);
@@ -356,7 +357,7 @@ fn an_emergency_stop_that_is_pressed_keeps_it_on_the_ground() {
 #[test]
 fn wrong_wiring_is_found_before_the_flight() {
     let mut board = stored(&AERO2, false);
-    board.bench.faults.motors_swapped = true;
+    board.rig.bench.faults.motors_swapped = true;
     let mut desk = Desk::new(board, plan(&AERO2));
     let end = desk.end();
     assert!(why(&end).contains("the motors are swapped"), "{end:?}");
@@ -367,7 +368,7 @@ fn wrong_wiring_is_found_before_the_flight() {
 #[test]
 fn a_rig_that_leaves_its_envelope_ends_the_flight() {
     let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2)).flying();
-    desk.board.bench.disturbance = PerMotor::new(200.0, -200.0);
+    desk.board.rig.bench.disturbance = PerMotor::new(200.0, -200.0);
     let end = desk.end();
     assert!(matches!(end.ending, Ending::Stopped(_)) && end.motors == Motors::SeenOff, "{end:?}");
     assert!(matches!(desk.board.frame().state, ArmState::Fault(_)));

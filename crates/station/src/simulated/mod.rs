@@ -1,9 +1,12 @@
 //! A board that is simulated with its rig: the core's loop, conversation and record store on a bench, tick by
 //! tick. What the firmware does beside that, transport and flash, is here bytes in a vector and flash in RAM.
+//!
+//! [`SimulatedBoard::new`] is a board with any rig at its port, as the firmware for real rigs is one;
+//! [`SimulatedBoard::alone`] one that computes the rig of its own record, as the firmware with the feature
+//! `simulated` does.
 
-use twinrotor::SAMPLE_TIME;
-use twinrotor::bench::Bench;
-use twinrotor::control_loop::{ControlLoop, Inputs};
+use twinrotor::bench::SimulatedRig;
+use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::conversation::commands::{self, Commands};
 use twinrotor::conversation::outgoing::{Outgoing, Waiting};
 use twinrotor::conversation::{Action, Board, Conversation, Loop};
@@ -13,9 +16,11 @@ use twinrotor::first_power::Verdict;
 use twinrotor::link::{BAUD, Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, encode};
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
-use twinrotor::parameters::{self, Parameters};
-use twinrotor::plant::presets::Rig;
-use twinrotor::supervisor::{ArmState, Conditions};
+use twinrotor::parameters::{self, Parameters, Provenance};
+use twinrotor::plant::presets::{PWM_STEPS, Rig};
+use twinrotor::rig_port::RigPort;
+use twinrotor::sequence::Numbered;
+use twinrotor::supervisor::{Condition, Conditions};
 use twinrotor::telemetry::Frame;
 use twinrotor::trial::Candidate;
 
@@ -25,9 +30,12 @@ const FRAME_EVERY: u16 = 5;
 /// A board and its rig.
 pub struct SimulatedBoard {
     /// The rig: faults, supply and disturbances may be set at any time.
-    pub bench: Bench<f32>,
+    pub rig: SimulatedRig,
     /// What else is wrong, as only a board can see: the emergency stop, for example.
     pub senses: Conditions,
+    /// The last tick took too long.
+    overrun: bool,
+    port: RigPort,
     control: ControlLoop,
     conversation: Conversation,
     flash: Store<RamFlash>,
@@ -80,45 +88,50 @@ impl SimulatedBoard {
     /// `rig` in its rest pose; a board that has just booted with what is in `flash`, or else with the
     /// parameters `built_in`.
     pub fn new(rig: &Rig, built_in: Parameters, flash: RamFlash) -> Self {
-        let bench = Bench::at_rest(rig, SAMPLE_TIME);
         let mut flash = Store::new(flash, 0);
-        let (control, conversation) = boot(&bench, rig.pwm_steps, &mut flash, built_in, 0);
+        let loaded = load(&mut flash, RigPort::Pwm, built_in);
+        Self::with(SimulatedRig::new(rig), RigPort::Pwm, rig.pwm_steps, flash, built_in, loaded, 0)
+    }
+
+    /// The same of a board that computes the rig of its own record, in its rest pose.
+    pub fn alone(built_in: Parameters, flash: RamFlash) -> Self {
+        let mut flash = Store::new(flash, 0);
+        let loaded = load(&mut flash, RigPort::Simulated, built_in);
+        let rig = SimulatedRig::of(&loaded.0, PWM_STEPS);
+        Self::with(rig, RigPort::Simulated, PWM_STEPS, flash, built_in, loaded, 0)
+    }
+
+    fn with(
+        rig: SimulatedRig,
+        port: RigPort,
+        pwm_steps: u32,
+        flash: Store<RamFlash>,
+        built_in: Parameters,
+        (parameters, provenance): (Parameters, Provenance),
+        boots: u32,
+    ) -> Self {
+        let board = Board {
+            firmware: env!("CARGO_PKG_VERSION"),
+            chip: "simulated",
+            port,
+            nonce: Nonce(boots),
+            reset: None,
+            baud: BAUD,
+        };
+        let conversation = Conversation::new(board, parameters, provenance);
+        let drive = Drive::new(pwm_steps);
+        let control = ControlLoop::new(&parameters, CounterWidth::Bits16, rig.counters(), drive, None);
         Self {
-            bench,
+            rig,
             senses: Conditions::NONE,
+            overrun: false,
+            port,
             reports: Reports { answers: vec![conversation.identity()], ..Reports::default() },
             control,
             conversation,
             flash,
             built_in,
-            pwm_steps: rig.pwm_steps,
-            commands: Commands::new(),
-            candidate: None,
-            disarm: false,
-            heard: false,
-            frame_every: FRAME_EVERY,
-            until_frame: 0,
-            decoder: Decoder::new(),
-            outgoing: Outgoing::new(),
-            sent: Vec::new(),
-            boots: 0,
-        }
-    }
-
-    /// The board's supply comes back: it boots with what is in flash, and the rig stays where it is.
-    #[must_use]
-    pub fn reset(self) -> Self {
-        let Self { bench, mut flash, built_in, pwm_steps, senses, boots, .. } = self;
-        let boots = boots.wrapping_add(1);
-        let (control, conversation) = boot(&bench, pwm_steps, &mut flash, built_in, boots);
-        let reports = Reports { answers: vec![conversation.identity()], ..Reports::default() };
-        Self {
-            bench,
-            senses,
-            control,
-            conversation,
-            flash,
-            reports,
+            pwm_steps,
             commands: Commands::new(),
             candidate: None,
             disarm: false,
@@ -129,8 +142,17 @@ impl SimulatedBoard {
             outgoing: Outgoing::new(),
             sent: Vec::new(),
             boots,
-            ..self
         }
+    }
+
+    /// The board's supply comes back: it boots with what is in flash. A rig at its port stays where it is.
+    #[must_use]
+    pub fn reset(self) -> Self {
+        let Self { rig, port, mut flash, built_in, pwm_steps, senses, boots, .. } = self;
+        let loaded = load(&mut flash, port, built_in);
+        let rig = if port == RigPort::Simulated { SimulatedRig::of(&loaded.0, pwm_steps) } else { rig };
+        let board = Self::with(rig, port, pwm_steps, flash, built_in, loaded, boots.wrapping_add(1));
+        Self { senses, ..board }
     }
 
     /// Takes what came over the line.
@@ -173,6 +195,9 @@ impl SimulatedBoard {
             return Err(Refusal::MotorsMayTurn);
         }
         parameters::save(&mut self.flash, parameters, &mut [0; SLOT_SIZE])?;
+        if self.port == RigPort::Simulated {
+            self.rig = SimulatedRig::of(parameters, self.pwm_steps);
+        }
         self.control.adopt(parameters);
         Ok(())
     }
@@ -183,20 +208,30 @@ impl SimulatedBoard {
         let (_, mut receiver) = self.commands.split();
         let command = commands::next(&mut receiver, disarm);
         let outputs = self.control.tick(&Inputs {
-            senses: self.senses.union(self.conversation.standing()),
+            current_limit: self.rig.current_limit(),
+            senses: self
+                .senses
+                .union(self.conversation.standing())
+                .with(
+                    Condition::EmergencyStop,
+                    self.senses.contains(Condition::EmergencyStop) | self.rig.emergency_stop(),
+                )
+                .with(Condition::TickOverrun, std::mem::take(&mut self.overrun)),
             heard: std::mem::take(&mut self.heard),
             disarm,
             trial: self.candidate.as_ref(),
             command,
-            ..Inputs::sound(self.bench.counters(), self.bench.supply)
+            ..Inputs::sound(self.rig.counters(), self.rig.supply())
         });
+        if let Some(Numbered { message: OperatorCommand::Inject(injection), .. }) = command {
+            self.rig.inject(injection);
+        }
         self.candidate.take_if(|candidate| commands::is_done_with(candidate, command, disarm));
         if command.is_some() {
             commands::done(&mut receiver);
         }
-        // It lies on a table until it is armed.
-        self.bench.set_table(self.control.state() != ArmState::Armed);
-        self.bench.tick(outputs.duty, outputs.enable);
+        self.rig.tick(outputs.duty, self.control.state());
+        self.overrun = self.rig.take_stall() > 0;
         self.reports.verdict = self.reports.verdict.or(outputs.verdict);
         self.until_frame = self.until_frame.saturating_sub(1);
         if self.until_frame == 0 {
@@ -231,24 +266,8 @@ impl SimulatedBoard {
 }
 
 /// What a board does first.
-fn boot(
-    bench: &Bench<f32>,
-    pwm_steps: u32,
-    flash: &mut Store<RamFlash>,
-    built_in: Parameters,
-    boots: u32,
-) -> (ControlLoop, Conversation) {
-    let (parameters, provenance) = parameters::load(flash, &mut [0; SLOT_SIZE], || built_in);
-    let drive = Drive::new(pwm_steps);
-    let control = ControlLoop::new(&parameters, CounterWidth::Bits16, bench.counters(), drive, None);
-    let board = Board {
-        firmware: env!("CARGO_PKG_VERSION"),
-        chip: "simulated",
-        nonce: Nonce(boots),
-        reset: None,
-        baud: BAUD,
-    };
-    (control, Conversation::new(board, parameters, provenance))
+fn load(flash: &mut Store<RamFlash>, port: RigPort, built_in: Parameters) -> (Parameters, Provenance) {
+    parameters::load(flash, &mut [0; SLOT_SIZE], port, || built_in)
 }
 
 #[cfg(test)]

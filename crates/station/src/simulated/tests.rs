@@ -1,15 +1,17 @@
+mod alone;
 mod trial;
 
 use super::*;
 use crate::{Client, Event, Heard, Question};
 use std::time::Duration;
+use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::PerAxis;
 use twinrotor::defaults;
 use twinrotor::link::ToBoard;
 use twinrotor::parameters::Provenance;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::AERO2;
-use twinrotor::supervisor::{Condition, Request};
+use twinrotor::supervisor::{ArmState, Condition, Request};
 
 fn parameters(checked: bool) -> Parameters {
     let settings = Settings::new(&AERO2, defaults::AERO2, SAMPLE_TIME);

@@ -232,12 +232,13 @@ mod tests {
     fn desk(panics_in_flight: bool) -> (Desk, Rc<RefCell<Simulated>>) {
         let settings = Settings::new(&AERO2, defaults::AERO2, SAMPLE_TIME);
         let parameters = Parameters { checked: true, ..Parameters::new(&AERO2, &settings) };
-        let board = Rc::new(RefCell::new(Simulated::new(&AERO2, &parameters, false).unwrap()));
+        let board = Rc::new(RefCell::new(Simulated::new(&parameters, false).unwrap()));
         let plan = Plan {
             parameters,
             write: Write::Never,
             ask: false,
             frame_every: 1,
+            injections: Vec::new(),
             legs: vec![Leg::Fly(vec![Reference::default(); 2_000])],
             save: false,
         };

@@ -2,6 +2,8 @@
 
 mod ask;
 mod desk;
+mod inject;
+mod owner;
 mod report;
 mod task;
 
@@ -16,13 +18,14 @@ use crate::files::recording::{self, Gaps};
 use crate::line::{self, Line, Simulated};
 use crate::stop::{self, Second};
 use desk::{Desk, NOT_SEEN};
+use inject::Inject;
 use report::{Differences, Document};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 use task::{Task, plan, task};
 use twinrotor::axes::PerAxis;
-use twinrotor::parameters::Parameters;
+use twinrotor::rig_port::RigPort;
 use twinrotor_sim::flight::{self, Fidelity, Flight, Plan as Simulation, Scalar};
 use twinrotor_station::again::again;
 use twinrotor_station::flown::flown;
@@ -69,9 +72,22 @@ pub(super) struct Args {
     /// The simulated board in real time instead of as fast as it goes
     #[arg(long)]
     real_time: bool,
-    /// The rig of the board at --port is simulated, too: compute the flight once more and compare to the bit
+    /// The rig of the board at --port is simulated outside of it: compute the flight once more and compare to
+    /// the bit, as is done with any board that simulates its rig itself
     #[arg(long)]
     verify: bool,
+    /// Let this befall a rig that the board simulates, so long after the scenario's begin: stuck-pitch@2,
+    /// reversed-yaw@2, slip-yaw=-400@2, supply=9@2, disturbance=2:-1@2, weight=0.02:0.1@2, fault@2, stop@2,
+    /// stall=3@2 and others
+    #[arg(long, value_name = "KIND@SECONDS")]
+    inject: Vec<Inject>,
+    /// Fly every scenario of this folder, too, compare all of it to the bit, and write what came of it and
+    /// which board it was as JSON: what an owner of a board sends back to this project
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["trial", "inject"])]
+    report: Option<PathBuf>,
+    /// The folder of --report
+    #[arg(long, value_name = "FOLDER", default_value = "scenarios", requires = "report")]
+    scenarios: PathBuf,
     /// Of everything random in the simulation
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -99,13 +115,12 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     // Before the line is opened: from then on, whatever ends this ends it with the motors off.
     let _listening = stop::listen(Second::Asks);
     let (port, line): (String, Box<dyn Line>) = if simulated {
-        let parameters = Parameters { checked: true, ..task.parameters };
-        let line = Simulated::new(&task.named.rig, &parameters, args.real_time).map_err(image::unusable)?;
+        let line = Simulated::new(&task.parameters, args.real_time).map_err(image::unusable)?;
         ("sim".to_owned(), Box::new(line.befallen_by(&task.scenario, args.seed)))
     } else {
         line::open(&args.port)?
     };
-    let plan = plan(args, &task, simulated);
+    let plan = plan(args, &task, simulated)?;
     let frame_every = plan.frame_every;
     let mut desk = Desk::new(line, Session::new(plan, Duration::ZERO), task.parameters);
     let end = desk.run(|step| if args.json { Ok(()) } else { print(&report::line(step)) });
@@ -127,6 +142,9 @@ fn outputs(args: &Args) -> Outcome<Outputs> {
         outputs.writes("--record", path)?;
     }
     drawn(args.plot.as_deref(), &mut outputs)?;
+    if let Some(path) = &args.report {
+        outputs.writes("--report", path)?;
+    }
     Ok(outputs)
 }
 
@@ -154,7 +172,8 @@ fn conclude(
         None
     };
     let flight = flown_.begins.first().map(|begin| flown(frames, *begin, rig, &task.scenario));
-    let tried = flown_.begins.get(1).map(|begin| flown(frames, *begin, rig, &task.scenario));
+    let second = task.trial.as_ref().and_then(|_| flown_.begins.get(1));
+    let tried = second.map(|begin| flown(frames, *begin, rig, &task.scenario));
     let simulated = flight.as_ref().map(|_| simulate(args, task)).transpose()?;
     if let (Some(path), Some(flight), Some(simulated)) = (&args.plot, &flight, &simulated) {
         let title =
@@ -166,13 +185,24 @@ fn conclude(
         let figure = figures::comparison(&title, flights, rig.volts_limit);
         outputs.write(path, &figure::bytes(&figure, path)?);
     }
+    let simulates = session.identity().is_some_and(|identity| identity.port == RigPort::Simulated);
+    let flown_or_injected = match &end.ending {
+        Ending::Flown => true,
+        Ending::Stopped(_) => !args.inject.is_empty(),
+        _ => false,
+    };
+    // What befalls a rig by its scenario is not computed once more.
     let calm = task.scenario.is_undisturbed();
-    let verify = end.ending == Ending::Flown && calm && (args.verify || args.port == "sim");
-    let verified = if verify {
+    let verified = if flown_or_injected && calm && (args.verify || simulates) {
+        let own = simulates.then(|| task.parameters.rig(rig.pwm_steps));
+        let rig = own.as_ref().unwrap_or(rig);
         Some(again(rig, &task.parameters, frames, session.said(), session.tried()))
     } else {
         None
     };
+    if let Some(path) = &args.report {
+        outputs.write(path, &owner::report(task, desk, end, verified.as_ref())?);
+    }
     let document = Document {
         preset: &task.named.name,
         scenario: &task.scenario.name,

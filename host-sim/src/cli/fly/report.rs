@@ -86,7 +86,7 @@ impl Document<'_> {
             let _ = writeln!(text, "\n{}", side_by_side(flown, tried));
         }
         if let Some(ticks) = self.verified_ticks {
-            let _ = writeln!(text, "flown once more here: the same in all {ticks} ticks, bit for bit");
+            let _ = writeln!(text, "bit for bit equal to the host over {ticks} ticks");
         }
         let dropped = self.frames_dropped.map_or_else(String::new, |n| format!(", {n} dropped by the board"));
         let Gaps { gaps, lost_ticks } = self.gaps;

@@ -1,6 +1,7 @@
 //! What is to be flown, checked before any line is opened.
 
 use super::Args;
+use super::inject::by_tick;
 use crate::cli::simulate::cannot_hold;
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -28,6 +29,8 @@ pub(super) struct Task {
     pub(super) gains_name: String,
     pub(super) trial: Option<GainsFile>,
     pub(super) scenario: Scenario,
+    /// Those of `--report`, after it.
+    pub(super) others: Vec<Scenario>,
     pub(super) parameters: Parameters,
     pub(super) notes: Vec<String>,
 }
@@ -77,7 +80,34 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
             scenario.name, scenario.duration
         )));
     }
-    Ok(Task { named, gains, gains_name, trial, scenario, parameters, notes })
+    let others = if args.report.is_some() { others(args, &parameters, &mut notes)? } else { Vec::new() };
+    Ok(Task { named, gains, gains_name, trial, scenario, others, parameters, notes })
+}
+
+/// Every scenario of a folder, by name, but for those beyond what the rig may do.
+fn others(args: &Args, parameters: &Parameters, notes: &mut Vec<String>) -> Outcome<Vec<Scenario>> {
+    let folder = &args.scenarios;
+    let failed = |error: std::io::Error| {
+        Failure::Input(format!("--scenarios {} cannot be read: {error}", folder.display()))
+    };
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            names.push(path.display().to_string());
+        }
+    }
+    names.sort();
+    let mut found = Vec::new();
+    for name in names {
+        let mut scenario = files::scenario(&name)?;
+        scenario.disturbance = None;
+        match refuse_out_of_range(&scenario, parameters) {
+            Ok(()) => found.push(scenario),
+            Err(beyond) => notes.push(format!("left out: {beyond}")),
+        }
+    }
+    Ok(found)
 }
 
 /// Before anything is armed: a scenario that a board would refuse a setpoint of.
@@ -104,7 +134,7 @@ fn refuse_out_of_range(scenario: &Scenario, parameters: &Parameters) -> Outcome<
 }
 
 /// The session that flies it.
-pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
+pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Outcome<Plan> {
     let fly = || Leg::Fly(task.scenario.references());
     let mut legs = vec![fly()];
     if let Some(trial) = &task.trial {
@@ -115,7 +145,8 @@ pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
         let attempt = Attempt { revert_ms, ..Attempt::new(controller) };
         legs.extend([Leg::Try(Box::new(attempt)), fly(), last]);
     }
-    Plan {
+    legs.extend(task.others.iter().map(|other| Leg::Fly(other.references())));
+    Ok(Plan {
         parameters: task.parameters,
         write: match (args.write, args.yes) {
             (true, _) => Write::Always,
@@ -124,7 +155,8 @@ pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Plan {
         },
         ask: !simulated && !args.yes,
         frame_every: ticks_per_frame(BAUD),
+        injections: by_tick(&args.inject, task.scenario.duration)?,
         legs,
         save: args.save,
-    }
+    })
 }

@@ -85,7 +85,15 @@ fn run(mut line: TcpStream, session: &mut Session) -> (End, Vec<Frame>) {
 }
 
 fn plan(parameters: &Parameters, legs: Vec<Leg>) -> Plan {
-    Plan { parameters: *parameters, write: Writing::Never, ask: false, frame_every: 1, legs, save: false }
+    Plan {
+        parameters: *parameters,
+        write: Writing::Never,
+        ask: false,
+        frame_every: 1,
+        injections: Vec::new(),
+        legs,
+        save: false,
+    }
 }
 
 fn step() -> Leg {

@@ -10,6 +10,7 @@ mod power_cuts;
 mod proofs;
 mod replay;
 mod resets;
+mod simulated;
 mod timing;
 mod trials;
 

@@ -44,7 +44,7 @@ impl Flown {
         parameters::save(&mut flash, &self.parameters, &mut [0; SLOT_SIZE])
             .expect("a flash that never fails");
         let mut board = SimulatedBoard::new(&self.rig, self.parameters, flash.into_flash());
-        board.bench.supply = Helicopter::new(&self.rig, supply(&self.rig)).measured_supply();
+        board.rig.bench.supply = Helicopter::new(&self.rig, supply(&self.rig)).measured_supply();
         let mut said = self.schedule().into_iter().peekable();
         let last = self.frames.last().expect("frames").tick;
         (0..=last)

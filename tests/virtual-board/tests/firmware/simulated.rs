@@ -1,0 +1,197 @@
+//! The firmware for a Nucleo board without a rig: it computes one itself, which flies as the host's does to
+//! the bit, takes what befalls it from its operator, and lets nothing out of the chip.
+
+use std::time::Duration;
+
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::{Faults, Injection};
+use twinrotor::parameters::Parameters;
+use twinrotor::plant::presets::{self, PWM_STEPS};
+use twinrotor::reference::Reference;
+use twinrotor::rig_port::RigPort;
+use twinrotor::supervisor::Condition;
+use twinrotor::telemetry::Frame;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_station::again::again;
+use twinrotor_station::session::{End, Ending, Event, Leg, Motors, Plan, Session, Write};
+use twinrotor_station::words;
+use virtual_board::board::Inputs;
+use virtual_board::chip::timer::Drive;
+use virtual_board::firmware::Firmware;
+use virtual_board::machine::{AtRest, Machine, Setup};
+use virtual_board::record::{self, ADDRESS, image};
+
+use super::board_with;
+
+/// A preset's own controller, checked on a simulated rig.
+fn parameters(preset: &str) -> Parameters {
+    Parameters { port: RigPort::Simulated, ..record::tuned(preset).1 }
+}
+
+fn board(parameters: &Parameters) -> Machine {
+    let firmware = Firmware::simulated().unwrap_or_else(|why| panic!("{why}"));
+    let setup = Setup::new(firmware).with_image(ADDRESS, image(&[*parameters]));
+    let mut machine = Machine::start(setup, AtRest(Inputs::default()));
+    machine.run(200);
+    machine
+}
+
+fn plan(parameters: &Parameters, legs: Vec<Leg>, injections: Vec<(u32, Injection)>) -> Plan {
+    let (write, save) = (Write::Never, false);
+    Plan { parameters: *parameters, write, ask: false, frame_every: 1, injections, legs, save }
+}
+
+fn step(ticks: usize) -> Leg {
+    Leg::Fly(vec![Reference::at_rest(PerAxis::new(0.15, 0.4)); ticks])
+}
+
+/// A session to its end. Its clock is the board's, so that a busy machine changes nothing.
+fn fly(machine: &mut Machine, plan: Plan) -> (End, Vec<Frame>, Session) {
+    const AT_ONCE: u64 = 2;
+    let (mut session, mut frames, mut now) = (Session::new(plan, Duration::ZERO), Vec::new(), 0);
+    loop {
+        session.poll(Duration::from_millis(now));
+        machine.say(&session.take_outgoing());
+        machine.run(AT_ONCE);
+        now += AT_ONCE;
+        session.push(&machine.heard(), Duration::from_millis(now));
+        while let Some(event) = session.event() {
+            match event {
+                Event::Frame(frame) => frames.push(frame),
+                Event::Over(end) => return (end, frames, session),
+                _ => {}
+            }
+        }
+        assert!(now < 400_000, "no end");
+    }
+}
+
+/// Flies the plan and computes it once more; answers how it ended and how many ticks were the same.
+fn fly_twice(machine: &mut Machine, plan: Plan) -> (End, usize) {
+    let parameters = plan.parameters;
+    let (end, frames, session) = fly(machine, plan);
+    let rig = parameters.rig(PWM_STEPS);
+    let same = again(&rig, &parameters, &frames, session.said(), None);
+    (end, same.unwrap_or_else(|why| panic!("{why}")))
+}
+
+/// No pin of the PWM's timer is connected, and the enable pin is low, all the time.
+fn assert_nothing_left(machine: &mut Machine) {
+    let (trace, _) = machine.trace();
+    assert!(!trace.is_empty());
+    for outputs in trace {
+        assert!(!outputs.enabled && outputs.legs.iter().flatten().all(|leg| *leg == Drive::Released));
+    }
+}
+
+/// All that there are to fly, those that a preset's rig may not be asked for aside.
+const SCENARIOS: [&str; 8] = [
+    "step",
+    "1",
+    "2",
+    "3",
+    "3-square",
+    "reversals.toml",
+    "step-30-45.toml",
+    "there-and-back.toml",
+];
+
+fn text(name: &str) -> twinrotor_sim::Outcome<String> {
+    let path = format!("{}/../../scenarios/{name}", env!("CARGO_MANIFEST_DIR"));
+    Ok(std::fs::read_to_string(path).unwrap())
+}
+
+/// What a board's owner sends back, here: every preset's rig with its own controller, from checked to landed.
+/// `TWINROTOR_SIMULATED=60` flies every scenario instead, each for at most so many seconds.
+#[test]
+fn every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit() {
+    let seconds = std::env::var("TWINROTOR_SIMULATED").ok().map(|text| text.parse::<f64>().expect("seconds"));
+    for (preset, _) in presets::ALL {
+        let parameters = parameters(preset);
+        let mut machine = board(&parameters);
+        let legs = match seconds {
+            None => vec![step(1_500)],
+            Some(seconds) => SCENARIOS
+                .iter()
+                .map(|name| {
+                    let mut scenario = Scenario::load(name, &text).unwrap();
+                    scenario.duration = scenario.duration.min(seconds);
+                    Leg::Fly(scenario.references())
+                })
+                .collect(),
+        };
+        let ticks: usize = legs.iter().map(|leg| if let Leg::Fly(r) = leg { r.len() } else { 0 }).sum();
+        let (end, same) = fly_twice(&mut machine, plan(&parameters, legs, Vec::new()));
+        assert_eq!(end, End { ending: Ending::Flown, motors: Motors::SeenOff }, "{preset}");
+        assert!(same > ticks, "{preset}: {same} ticks");
+        println!("{preset}: bit for bit equal over {same} ticks");
+        assert_nothing_left(&mut machine);
+    }
+}
+
+/// The plant is in the tick: 4,000 instructions are allowed for all of it.
+#[test]
+fn a_tick_with_its_plant_keeps_its_budget() {
+    for preset in ["paper", "heli", record::BUILT_IN, "aero-lab"] {
+        let parameters = parameters(preset);
+        let mut machine = board(&parameters);
+        let (end, _) = fly_twice(&mut machine, plan(&parameters, vec![step(500)], Vec::new()));
+        assert_eq!(end.ending, Ending::Flown);
+        let mut ticks: Vec<u64> = machine.trace().1.iter().map(|tick| tick.instructions).collect();
+        ticks.sort_unstable();
+        let (median, longest) = (ticks[ticks.len() / 2], ticks[ticks.len() - 1]);
+        println!("{preset}: {median} instructions by the median, {longest} at most");
+        assert!(longest < 4_000, "{preset}: {longest}");
+    }
+}
+
+/// Everything that can befall the rig, and what the supervisor answers; what it stands is flown to the end.
+/// The ticks until then are the host's, to the bit, with the same things befalling its rig.
+#[test]
+fn whatever_befalls_the_rig_the_supervisor_answers_and_the_host_computes() {
+    let stuck = Faults { encoder_stuck: PerAxis::new(true, false), ..Faults::default() };
+    let reversed = Faults { encoder_reversed: PerAxis::new(false, true), ..Faults::default() };
+    let slip = Faults { slip: PerAxis::new(0, 1_000), ..Faults::default() };
+    let push = PerMotor::new(2.0, -2.0);
+    let cases = [
+        (Injection::Wiring(stuck), Some(Condition::PitchMotion)),
+        (Injection::Wiring(reversed), Some(Condition::YawMotion)),
+        (Injection::Wiring(slip), Some(Condition::YawJump)),
+        (Injection::Supply(9.0), Some(Condition::SupplyJump)),
+        (Injection::CurrentLimit(true), Some(Condition::CurrentLimit)),
+        (Injection::EmergencyStop(true), Some(Condition::EmergencyStop)),
+        (Injection::Stall { ticks: 3 }, Some(Condition::TickOverrun)),
+        (Injection::Disturbance(push), None),
+        (Injection::Weight { mass: 0.004, arm: 0.1 }, None),
+    ];
+    let parameters = parameters(record::BUILT_IN);
+    // One board for all: each session lays the rig down, sound, and clears what the last has left.
+    let mut machine = board(&parameters);
+    for (injection, answer) in cases {
+        // There and back, so that both axes are to move after it.
+        let there = vec![Reference::at_rest(PerAxis::new(0.15, 0.4)); 700];
+        let back = vec![Reference::at_rest(PerAxis::new(-0.1, -0.4)); 2_500];
+        let leg = Leg::Fly([there, back].concat());
+        let (end, same) = fly_twice(&mut machine, plan(&parameters, vec![leg], vec![(600, injection)]));
+        let expected = answer.map_or(Ending::Flown, |cause| {
+            Ending::Stopped(format!("a fault stopped the flight: {}", words::condition(cause)))
+        });
+        assert_eq!(end, End { ending: expected, motors: Motors::SeenOff }, "{injection:?}");
+        assert!(same > 600, "{injection:?}: {same}");
+    }
+    assert_nothing_left(&mut machine);
+}
+
+/// A rig that was checked on the board's own simulation is not checked for a real one, and a real one has
+/// nothing befall it.
+#[test]
+fn what_was_checked_on_a_simulated_rig_does_not_arm_a_real_one() {
+    let mut station = board_with(&presets::AERO2, &parameters(record::BUILT_IN));
+    station.run(300);
+    assert!(station.heard.conditions().contains(&Condition::NotChecked), "{}", station.heard.summary());
+    let nonce = twinrotor::link::Nonce::default();
+    station.send(&twinrotor::link::ToBoard::Inject(nonce, Injection::Rest));
+    station.run(50);
+    assert_eq!(station.heard.refusals, [twinrotor::link::Refusal::NotSimulated]);
+    assert_eq!(station.heard.identities.last().map(|who| who.port), Some(RigPort::Pwm));
+}
