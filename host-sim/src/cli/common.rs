@@ -16,6 +16,7 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::Scenario;
+use twinrotor_tune::robust::Scatter;
 
 /// Of every command that computes.
 #[derive(Debug, Args)]
@@ -56,6 +57,31 @@ impl Common {
         let mut outputs = Outputs::new();
         outputs.reads("--preset", &self.preset);
         outputs
+    }
+}
+
+/// How far drawn plants lie apart.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Spreads {
+    /// How far a drawn plant's constants and thrust lie from the preset's at most, as a part of them, 0 to .9
+    /// [default: 0.3]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true)]
+    pub spread: Option<f64>,
+    /// The same for each rotor's lag, 0 to .95 [default: 0.7]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true)]
+    pub lag_spread: Option<f64>,
+}
+
+impl Spreads {
+    /// What is left out is the usual.
+    pub(super) fn scatter(&self) -> Outcome<Scatter> {
+        let usual = Scatter::default();
+        let scatter = Scatter {
+            constants: self.spread.unwrap_or(usual.constants),
+            lag: self.lag_spread.unwrap_or(usual.lag),
+        };
+        scatter.validate().map_err(Failure::of_flag)?;
+        Ok(scatter)
     }
 }
 

@@ -1,6 +1,6 @@
 //! `pareto`: no single best, but the choice there is.
 
-use super::common::{Common, bar, within};
+use super::common::{Common, Spreads, bar, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
@@ -34,6 +34,8 @@ pub(super) struct Args {
     /// On how many plants
     #[arg(long, value_name = "N", default_value_t = 16)]
     plants: usize,
+    #[command(flatten)]
+    spreads: Spreads,
     /// Points of the front, at most
     #[arg(long, value_name = "N", default_value_t = 40)]
     population: usize,
@@ -58,6 +60,8 @@ struct Document<'a> {
     controller: &'a str,
     seed: u64,
     plants: usize,
+    spread: f64,
+    lag_spread: f64,
     evaluations: usize,
     objectives: [&'static str; 3],
     /// Counted from 1, as the files are.
@@ -83,7 +87,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     };
     let tunable = Tunable::new(&start, &[])?;
     let allowance = robust::allowance(&named.name, &named.rig);
-    let trial = Trial::new(&named.rig, args.plants, args.common.seed, allowance);
+    let scatter = args.spreads.scatter()?;
+    let trial = Trial::within(&named.rig, args.plants, args.common.seed, allowance, &scatter);
     let reach = args.range.ln();
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     output::check_folder("--out", &args.out)?;
@@ -110,7 +115,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         ));
     }
     let chosen = knee(&front);
-    let found = Found { front: &front, chosen, evaluations };
+    let found = Found { front: &front, chosen, evaluations, spread: scatter.told() };
     write(args, &named, &tunable, &found, &mut outputs)?;
     drop(listening);
     if args.common.json {
@@ -119,6 +124,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             controller: &args.controller,
             seed: args.common.seed,
             plants: args.plants,
+            spread: scatter.constants,
+            lag_spread: scatter.lag,
             evaluations,
             objectives: OBJECTIVES,
             chosen: chosen + 1,
@@ -149,6 +156,8 @@ struct Found<'a> {
     /// Which of it.
     chosen: usize,
     evaluations: usize,
+    /// The spread of the plants, where it is not the usual.
+    spread: Option<String>,
 }
 
 /// How the points of a front say what they are.
@@ -161,7 +170,7 @@ fn write(
     found: &Found<'_>,
     outputs: &mut Outputs,
 ) -> Outcome<()> {
-    let Found { front, chosen, evaluations } = *found;
+    let Found { front, chosen, evaluations, ref spread } = *found;
     remove_others(args, front.len());
     let mut table = Table::default();
     table.push("point", Column::Numbers((1..=front.len()).map(|k| k as f64).collect()));
@@ -176,7 +185,15 @@ fn write(
     for (k, point) in front.iter().enumerate() {
         let provenance = Provenance {
             preset: named.name.clone(),
-            objective: format!("{POINT}{} of {}, {} plants", k + 1, front.len(), args.plants),
+            objective: std::iter::once(format!(
+                "{POINT}{} of {}, {} plants",
+                k + 1,
+                front.len(),
+                args.plants
+            ))
+            .chain(spread.clone())
+            .collect::<Vec<_>>()
+            .join(", "),
             algorithm: "nsga-ii".to_owned(),
             seed: args.common.seed,
             evaluations,
@@ -219,7 +236,7 @@ fn remove_others(args: &Args, count: usize) {
 }
 
 fn summary(args: &Args, named: &NamedRig, found: &Found<'_>) -> String {
-    let Found { front, chosen, evaluations } = *found;
+    let Found { front, chosen, evaluations, .. } = *found;
     let mut table =
         tables::table(&["point", "settling, both [s]", "disturbed RMS, both [°]", "variation [V/s]", ""]);
     for (k, point) in front.iter().enumerate() {

@@ -144,3 +144,36 @@ fn what_befalls_a_rig_is_flown_or_refused_with_its_number() {
         );
     }
 }
+
+/// Any scenario on drawn plants: what a push costs, what warm motors cost, and that less spread spreads less.
+#[test]
+fn controllers_are_compared_on_any_scenario_cold_and_hot() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "duration = 8\n[pitch.steps]\njumps = [[0.5, 10]]\n[yaw.steps]\njumps = [[0.5, 40]]\n";
+    std::fs::write(folder.path().join("far.toml"), text).unwrap();
+    let gains = Path::new(env!("CARGO_MANIFEST_DIR")).join("../gains");
+    let given = ["compare", "--preset", "aero2", "--gains", gains.to_str().unwrap(), "--plants", "8"];
+    let with = |more: &[&str]| super::json(folder.path(), &[&given, more, &["--json"]].concat());
+    let flags = ["--scenario", "far.toml", "--controllers", "pid"];
+    let (cold, hot) = (with(&flags), with(&[&flags[..], &["--hot"]].concat()));
+    let median = |json: &Value, k: usize| json["controllers"][k]["error"]["median"].as_f64().unwrap();
+    assert_eq!(cold["controllers"][1]["name"], "pid");
+    assert_eq!(cold["controllers"][0]["failures"], 0);
+    assert!(median(&hot, 0) > 1.1 * median(&cold, 0), "{hot} {cold}");
+
+    let wide = |spread: &str, lag: &str| {
+        let json = with(&[
+            "--scenario",
+            "far.toml",
+            "--controllers",
+            "ours",
+            "--spread",
+            spread,
+            "--lag-spread",
+            lag,
+        ]);
+        let error = &json["controllers"][0]["error"];
+        error["p95"].as_f64().unwrap() - error["p5"].as_f64().unwrap()
+    };
+    assert!(wide("0.02", "0.05") < 0.3 * wide("0.3", "0.7"));
+}

@@ -96,6 +96,9 @@ fn bad_input_is_one_line_and_exit_status_2_and_writes_nothing() {
         (&["bench-tuners", "--export", "runs.mcap"], ".parquet, .npz or .csv"),
         (&["compare", "--step", "15,0"], "--step is 15,0"),
         (&["compare", "--allowance", "1e9"], "--allowance is 1000000000"),
+        (&["compare", "--spread", "1.5"], "--spread is 1.5; allowed: 0 to 0.9"),
+        (&["pareto", "--lag-spread", "-1"], "--lag-spread is -1; allowed: 0 to 0.95"),
+        (&["compare", "--scenario", "nowhere"], "unknown scenario 'nowhere'"),
         (&["compare", "--export", "flights.mcap"], ".parquet, .npz or .csv"),
         (&["tune", "--objective", "robust", "--at-most", "overshoot=2"], "unknown --at-most 'overshoot'"),
         (
@@ -143,17 +146,26 @@ fn a_flag_without_effect_is_refused_in_one_line() {
         ("--parameters", "yaw"),
         ("--at-most", "overshoot_p95.yaw=0"),
         ("--plants", "7"),
+        ("--spread", ".1"),
+        ("--lag-spread", ".1"),
         ("--rounds", "2"),
         ("--range", "3"),
     ] {
         cases.push((ise(flag, value).to_vec(), "has no effect without --objective robust"));
     }
-    let others: [(&[&str], &str); 8] = [
+    let others: [(&[&str], &str); 12] = [
         (&["simulate", "--hold", "5"], "--hold has no effect without a disturbance"),
         (&["simulate", "--window", "5,2"], "--window has no effect without a disturbance"),
         (&["simulate", "--rotor-lag", ".1"], "--rotor-lag has no effect with --fidelity ideal"),
         (&["bench-tuners", "--plants", "3"], "--plants has no effect with --objective ise"),
         (&["bench-tuners", "--controller", "pid"], "--controller has no effect with --objective ise"),
+        (&["simulate", "--true-lag", ".1"], "--true-lag has no effect with --fidelity ideal"),
+        (
+            &["compare", "--true-lag", ".1", "--lag-spread", ".1"],
+            "--lag-spread has no effect with --true-lag",
+        ),
+        (&["compare", "--true-rig", "aero", "--spread", ".1"], "--spread has no effect with --true-rig"),
+        (&["compare", "--hot"], "--scenario <SCENARIO>"),
         (&["pareto", "--start", "g.toml", "--controller", "pid"], "cannot be used with"),
         (&["identify", "log.csv", "--gains", "g.toml"], "--suggest"),
         (&["flash", "paper", "--image", "p.bin", "--chip", "x"], "cannot be used with"),

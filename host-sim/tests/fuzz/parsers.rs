@@ -14,7 +14,7 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::rig;
-use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::scenario::{Now, Scenario};
 use twinrotor_station::image;
 use twinrotor_tune::checkpoint::{self, Identity};
 use twinrotor_tune::integral::Objective;
@@ -70,6 +70,11 @@ fn parsers_of_scenarios() {
          amplitude_deg = 10.0\nfrequency = 1.0\n",
         "duration = 2.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = [[0.0, 40.0]]\n[disturbance]\n\
          volts = 1.0\nhold = 0.1\nwindow = [0.5, 1.5]\n",
+        "duration = 2.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = []\n[[events.step]]\n\
+         volts = [1.0, -2.0]\nwindow = [0.5, 1.5]\n[[events.sine]]\ntorque = [0.01, 0]\nfrequency = 5\n\
+         window = [0, 2]\n[[events.weight]]\nmass = 0.02\narm = -0.2\nwindow = [1, 2]\n[[events.supply]]\n\
+         volts = 12\nfall = 0.3\nwindow = [0, 1]\n[[events.thrust]]\nleft = [0.5, 0]\nwindow = [0, 2]\n\
+         [start]\nrate_deg = [3, 4]\n[hardware]\nnoise_counts = [2, 3]\ndelay = 0.004\n",
     ];
     let found = usable(|mut rng| {
         let text = one_of(&mut rng, &good);
@@ -78,6 +83,8 @@ fn parsers_of_scenarios() {
         if scenario.validate().is_ok() && scenario.duration <= LONG {
             let ticks = scenario.references::<f32>().len();
             assert_eq!(ticks, scenario.disturbances::<f32>(1).len());
+            let sound = |now: Now| now.volts.main.is_finite() && now.supply(18.0_f64) > 0.0;
+            assert!(scenario.befalls(1).take(ticks).all(sound));
         }
         true
     });

@@ -23,13 +23,14 @@ const LONG: Duration = Duration::from_secs(3);
 const HANGS: Duration = Duration::from_secs(10);
 
 /// Command lines that are right; words in capitals stand for files that are made for each run.
-const SEEDS: [&str; 12] = [
+const SEEDS: [&str; 13] = [
     "simulate --preset RIG --gains GAINS --scenario SCENARIO --duration 0.05 --fidelity rig --csv o.csv",
     "simulate --duration 0.02 --initial 1,2 --disturbance 2 --hold 0.01 --window 0,0.01 --export o.csv",
     "tune --iterations 1 --population 4 --horizon 0.05 --bounds 1,25 --seed 7 --out o.toml --plot o.svg",
     "tune --iterations 1 --population 4 --horizon 0.05 --out o.toml --checkpoint c.ck --resume --json",
     "tune --objective robust --iterations 1 --population 4 --plants 2 --rounds 1 --out o.toml --preset RIG",
     "compare --plants 2 --controllers pid,GAINS --allowance 1 --step 10,20 --seed 3 --gains . --export c.csv",
+    "compare --plants 2 --controllers pid --scenario SCENARIO --hot --spread 0.1 --lag-spread 0.2 --gains .",
     "bench-tuners --algorithms random,fpa-paper --seeds 2 --evaluations 4 --export b.csv --plot b.svg",
     "pareto --plants 4 --population 4 --iterations 4 --range 2 --controller pid --out front --preset RIG",
     "identify LOG --preset RIG --iterations 0 --population 2 --window 0.5 --fix mass --out i.toml",
@@ -43,7 +44,8 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
     let gains = "controller = \"backstepping\"\n[pitch]\nposition = 4.2\nrate = 24.6\n[yaw]\n\
          position = 2.28\nrate = 10.8\n";
     let scenario = "duration = 0.5\n[pitch.steps]\njumps = [[0.1, 5.0]]\n[yaw.sine]\namplitude_deg = 10.0\n\
-         frequency = 1.0\n[disturbance]\nvolts = 1.0\nhold = 0.1\nwindow = [0.1, 0.3]\n";
+         frequency = 1.0\n[disturbance]\nvolts = 1.0\nhold = 0.1\nwindow = [0.1, 0.3]\n[[events.gust]]\n\
+         torque = [0.01, 0]\nwindow = [0.1, 0.4]\n[start]\nangle_deg = [1, 2]\n";
     let mut log = String::from("t,pitch,yaw,v0,v1\n");
     for k in 0..150 {
         let t = 0.01 * f64::from(k);

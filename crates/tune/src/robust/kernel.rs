@@ -63,6 +63,7 @@ pub(super) fn scores(
 #[derive(Clone, Copy)]
 struct Flights<'a> {
     rig: &'a Rig,
+    truth: &'a Rig,
     settings: &'a Settings<f32>,
     plants: &'a [Draw],
     /// \[rad\]
@@ -84,7 +85,8 @@ impl<'a> Flights<'a> {
     fn new(trial: &'a Trial, settings: &'a Settings<f32>, plants: &'a [Draw]) -> Self {
         let disturbance = ticks(trial.allowance, SAMPLE_TIME);
         let when = Schedule { disturbance, end: 2 * disturbance };
-        Self { rig: &trial.rig, settings, plants, step: trial.step, when, stop: NEVER }
+        let Trial { rig, truth, step, .. } = trial;
+        Self { rig, truth, settings, plants, step: *step, when, stop: NEVER }
     }
 
     fn closed_loop<R: Real<Scalar = f32>>(&self) -> RigLoop<R> {
@@ -99,7 +101,8 @@ impl<'a> Flights<'a> {
         );
         let phase =
             PerAxis { pitch: self.each(|d| d.encoder_phase.pitch), yaw: self.each(|d| d.encoder_phase.yaw) };
-        let hardware = Hardware::of(self.rig, PerAxis::both(0.5));
+        let sound = Hardware::of(self.truth, PerAxis::both(0.5));
+        let hardware = sound.taken_for(self.rig, self.truth);
         RigLoop::assemble(plant, &hardware, phase, &self.settings.map(R::splat))
     }
 
@@ -115,7 +118,7 @@ impl<'a> Flights<'a> {
 /// Flies to the end, unless nobody waits for it.
 #[inline(always)]
 fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
-    let Flights { when, rig: Rig { envelope, .. }, .. } = *flights;
+    let Flights { when, truth: Rig { envelope, .. }, .. } = *flights;
     let mut closed_loop = flights.closed_loop::<R>();
     let disturbance = flights.disturbance::<R>();
     let limit = flights.settings.volts_limit.map(R::splat);

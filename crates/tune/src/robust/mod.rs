@@ -16,14 +16,16 @@ mod kernel;
 mod limits;
 mod plants;
 mod ratio;
+mod survey;
 mod tuning;
 
 pub use comparison::{Row, Spread, signed_rank};
 pub use cost::{Score, Terms, quantile, total};
 pub use limits::Limit;
-pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, UNSEEN, allowance, draw};
+pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, Scatter, UNSEEN, allowance, draw, draw_within};
 pub use ratio::{Measure, Ratio};
-pub use tuning::{Plan, Robust, Tuning};
+pub use survey::{Judged, Surveyed};
+pub use tuning::{Plan, Robust, Tuning, objective};
 
 use crate::parallel::{self, NEVER, Stop};
 use twinrotor::axes::PerAxis;
@@ -43,7 +45,9 @@ const SURELY: f64 = 1.0 + 1e-9;
 pub struct Trial {
     /// What the controller believes.
     pub rig: Rig,
-    /// What it flies.
+    /// What it flies, but for the plant: encoders, supply, limits, envelope.
+    pub truth: Rig,
+    /// The plants of it.
     pub plants: Vec<Draw>,
     /// \[rad\] Where to, from rest at zero with the rotors at rest; both positive.
     pub step: PerAxis<f64>,
@@ -57,7 +61,13 @@ pub const STEP_DEG: PerAxis<f64> = PerAxis::new(15.0, 40.0);
 impl Trial {
     /// `count` plants around `rig`, drawn by `seed`, with the disturbance at `allowance` \[s\].
     pub fn new(rig: &Rig, count: usize, seed: u64, allowance: f64) -> Self {
-        Self { rig: *rig, plants: draw(rig, count, seed), step: STEP_DEG.map(f64::to_radians), allowance }
+        Self::within(rig, count, seed, allowance, &Scatter::default())
+    }
+
+    /// As [`Trial::new`], with plants within `scatter` of `rig`.
+    pub fn within(rig: &Rig, count: usize, seed: u64, allowance: f64, scatter: &Scatter) -> Self {
+        let plants = draw_within(rig, count, seed, scatter);
+        Self { rig: *rig, truth: *rig, plants, step: STEP_DEG.map(f64::to_radians), allowance }
     }
 
     /// The scores of a controller, in the order of the plants.

@@ -7,6 +7,7 @@ use rand_chacha::rand_core::SeedableRng;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{Effectiveness, PlantParameters};
+use twinrotor_sim::error::{Error, Outcome};
 
 /// A plant, and what befalls it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +25,44 @@ pub struct Draw {
 pub const SPREAD: f64 = 0.3;
 /// Spread of each rotor's lag.
 pub const LAG_SPREAD: f64 = 0.7;
+
+/// How far constants may lie from the preset's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Part of the body's constants and thrust gains, 0 to .9.
+    pub constants: f64,
+    /// Part of each rotor's lag, 0 to .95.
+    pub lag: f64,
+}
+
+impl Default for Scatter {
+    fn default() -> Self {
+        Self { constants: SPREAD, lag: LAG_SPREAD }
+    }
+}
+
+impl Scatter {
+    /// Could there be plants with it?
+    ///
+    /// # Errors
+    ///
+    /// Which is out of range, and what is allowed.
+    pub fn validate(&self) -> Outcome<()> {
+        for (field, value, most) in [("spread", self.constants, 0.9), ("lag-spread", self.lag, 0.95)] {
+            if !(0.0..=most).contains(&value) {
+                let allowed = format_args!("0 to {most}, a part of the preset's value");
+                return Err(Error::invalid(field, value, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// In words, where it is not the usual.
+    pub fn told(&self) -> Option<String> {
+        (*self != Self::default()).then(|| format!("spread {}, lag spread {}", self.constants, self.lag))
+    }
+}
+
 /// What is added to a seed for plants that no tuning has seen: tuning draws from the seed itself.
 pub const UNSEEN: u64 = 1_000_000;
 /// \[V\] Largest disturbance of each motor.
@@ -35,22 +74,33 @@ pub const DISTURBANCE: f64 = 2.0;
 /// are uniform within ±30 %, lags within ±70 %, disturbances within ±2 V. Mass, gravity, friction and
 /// reaction torque are the preset's.
 pub fn draw(rig: &Rig, count: usize, seed: u64) -> Vec<Draw> {
+    draw_within(rig, count, seed, &Scatter::default())
+}
+
+/// As [`draw`], with constants and lags within `scatter` instead of ±30 and ±70 %.
+pub fn draw_within(rig: &Rig, count: usize, seed: u64, scatter: &Scatter) -> Vec<Draw> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     // Another stream than scenario disturbances and encoder phases of the same seed.
     rng.set_stream(2);
-    (0..count).map(|_| one(&rig.plant, &mut rng)).collect()
+    (0..count).map(|_| one(&rig.plant, scatter, &mut rng)).collect()
 }
 
-fn one(nominal: &PlantParameters<f64>, rng: &mut impl Rng) -> Draw {
-    let mut around = |value: f64, spread: f64| value * rng.random_range(1.0 - spread..1.0 + spread);
-    let center_of_mass = around(nominal.center_of_mass, SPREAD);
-    let inertia = nominal.inertia.map(|x| around(x, SPREAD));
-    let damping = nominal.damping.map(|x| around(x, SPREAD));
-    let stiffness = around(nominal.stiffness, SPREAD);
+fn one(nominal: &PlantParameters<f64>, scatter: &Scatter, rng: &mut impl Rng) -> Draw {
+    let spread = scatter.constants;
+    let mut around = |value: f64, spread: f64| {
+        // Without a spread a number is drawn all the same: what is drawn after it stays.
+        let ends = if spread > 0.0 { 1.0 - spread..1.0 + spread } else { 0.0..1.0 };
+        let factor = rng.random_range(ends);
+        if spread > 0.0 { value * factor } else { value }
+    };
+    let center_of_mass = around(nominal.center_of_mass, spread);
+    let inertia = nominal.inertia.map(|x| around(x, spread));
+    let damping = nominal.damping.map(|x| around(x, spread));
+    let stiffness = around(nominal.stiffness, spread);
     let factors =
         Effectiveness { main_on_pitch: 1.0, tail_on_pitch: 1.0, main_on_yaw: 1.0, tail_on_yaw: 1.0 }
-            .map(|x| around(x, SPREAD));
-    let rotor_time_constant = nominal.rotor_time_constant.map(|x| around(x, LAG_SPREAD));
+            .map(|x| around(x, spread));
+    let rotor_time_constant = nominal.rotor_time_constant.map(|x| around(x, scatter.lag));
     let plant = PlantParameters {
         center_of_mass,
         inertia,
@@ -82,6 +132,23 @@ pub fn allowance(name: &str, rig: &Rig) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The same draws, drawn closer together: what a rig's owner knows better lies nearer.
+    #[test]
+    fn a_smaller_spread_is_the_same_draw_closer_to_the_preset() {
+        let rig = presets::AERO2;
+        let (usual, close) =
+            (draw(&rig, 40, 3), draw_within(&rig, 40, 3, &Scatter { constants: 0.03, lag: 0.0 }));
+        for (far, near) in usual.iter().zip(&close) {
+            let off = |d: &Draw| d.plant.inertia.pitch / rig.plant.inertia.pitch - 1.0;
+            assert!((off(near) - 0.1 * off(far)).abs() < 1e-12);
+            assert_eq!(near.plant.rotor_time_constant, rig.plant.rotor_time_constant);
+            assert_eq!((near.disturbance, near.encoder_phase), (far.disturbance, far.encoder_phase));
+        }
+        let told = |constants: f64, lag: f64| Scatter { constants, lag }.validate().unwrap_err().to_string();
+        assert_eq!(told(1.0, 0.2), "spread is 1; allowed: 0 to 0.9, a part of the preset's value");
+        assert!(told(0.1, f64::NAN).starts_with("lag-spread is NaN"));
+    }
 
     #[test]
     fn draws_are_within_their_spread_and_fill_it() {

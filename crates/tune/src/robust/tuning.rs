@@ -1,6 +1,6 @@
 //! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
-use super::{Limit, Row, Score, Trial};
+use super::{Limit, Row, Scatter, Score, Trial};
 use crate::checkpoint::Identity;
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
 use crate::parallel::{self, Stop};
@@ -107,22 +107,30 @@ impl Plan {
 #[derive(Debug, Clone)]
 pub struct Tuning {
     trial: Trial,
+    scatter: Scatter,
     plan: Plan,
     preset: String,
     rig: Rig,
+}
+
+/// The robust objective, as gains files name it.
+pub fn objective(plants: usize, scatter: &Scatter) -> String {
+    let parts = std::iter::once(format!("robust, {plants} plants")).chain(scatter.told());
+    parts.collect::<Vec<_>>().join(", ")
 }
 
 /// Plants that a comparison's controllers are tuned on.
 const PLANTS: usize = 32;
 
 impl Tuning {
-    /// `rounds` searches of 500 evaluations each.
-    pub fn standard(named: &NamedRig, rounds: usize, seed: u64) -> Self {
+    /// `rounds` searches of 500 evaluations each, on plants within `scatter`.
+    pub fn standard(named: &NamedRig, rounds: usize, seed: u64, scatter: &Scatter) -> Self {
         let algorithm = Algorithm::Fpa(Variant::Yang);
         let setup = Setup { algorithm, population: Some(25), evaluations: 500 };
         let allowance = super::allowance(&named.name, &named.rig);
         Self {
-            trial: Trial::new(&named.rig, PLANTS, seed, allowance),
+            trial: Trial::within(&named.rig, PLANTS, seed, allowance, scatter),
+            scatter: *scatter,
             plan: Plan { setup, rounds, range: 4.0, seed },
             preset: named.name.clone(),
             rig: named.rig,
@@ -141,7 +149,7 @@ impl Tuning {
         let best = search.best().expect("the start is evaluated first");
         let provenance = Provenance {
             preset: self.preset.clone(),
-            objective: format!("robust, {PLANTS} plants"),
+            objective: objective(PLANTS, &self.scatter),
             algorithm: format!("fpa-yang, {} rounds", self.plan.rounds),
             seed: self.plan.seed,
             evaluations: search.evaluations(),

@@ -2,7 +2,7 @@
 
 use super::report::Run;
 use super::request::{Request, left};
-use crate::cli::common::{no_effect, within};
+use crate::cli::common::{Spreads, no_effect, within};
 use crate::cli::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -37,6 +37,8 @@ pub(super) struct Args {
     /// On how many plants [default: 32]
     #[arg(long, value_name = "N")]
     plants: Option<usize>,
+    #[command(flatten)]
+    spreads: Spreads,
     /// Searches one after the other, each around the best so far and within less [default: 4]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
@@ -60,6 +62,8 @@ impl Args {
             ("--parameters", !self.parameters.is_empty()),
             ("--at-most", !self.at_most.is_empty()),
             ("--plants", self.plants.is_some()),
+            ("--spread", self.spreads.spread.is_some()),
+            ("--lag-spread", self.spreads.lag_spread.is_some()),
             ("--rounds", self.rounds.is_some()),
             ("--range", self.range.is_some()),
         ];
@@ -86,6 +90,8 @@ struct Document<'a> {
     run: Run<'a>,
     objective: &'static str,
     plants: usize,
+    spread: f64,
+    lag_spread: f64,
     /// Of the gains; not known of a search that was interrupted.
     terms: Option<Terms>,
     failures: Option<usize>,
@@ -103,12 +109,15 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let limit = |text: &String| Limit::parse(text).map_err(Failure::of_flag);
     let limits = args.at_most.iter().map(limit).collect::<Outcome<Vec<_>>>()?;
     let seed = request.seed;
-    let trial = Trial::new(&named.rig, plants, seed, robust::allowance(&named.name, &named.rig));
+    let scatter = args.spreads.scatter()?;
+    let allowance = robust::allowance(&named.name, &named.rig);
+    let trial = Trial::within(&named.rig, plants, seed, allowance, &scatter);
     let plan = Plan { setup: request.setup, rounds, range, seed };
     let identity = request
         .identity()
         .with("objective", "robust")
         .with("plants", plants)
+        .with("spread", format_args!("{}, {}", scatter.constants, scatter.lag))
         .with("rounds", rounds)
         .with("range", range)
         .with("at-most", args.at_most.join(","))
@@ -123,7 +132,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let mut file = GainsFile { controller: found, provenance: None };
     file.provenance = Some(Provenance {
         preset: named.name.clone(),
-        objective: std::iter::once(format!("robust, {plants} plants"))
+        objective: std::iter::once(robust::objective(plants, &scatter))
             .chain(args.at_most.iter().cloned())
             .collect::<Vec<_>>()
             .join(", "),
@@ -140,6 +149,8 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         run: Run::new(request, &search, 2.0 * trial.allowance),
         objective: "robust",
         plants,
+        spread: scatter.constants,
+        lag_spread: scatter.lag,
         terms: scores.map(|scores| Terms::mean(scores.iter().map(robust::Score::terms))),
         failures: scores.map(|scores| scores.iter().filter(|s| s.failed).count()),
         gains: &file,

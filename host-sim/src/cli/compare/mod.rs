@@ -1,6 +1,9 @@
-//! `compare`: controllers side by side on the same plants, none of which they were tuned on.
+//! `compare`: controllers side by side on the same plants, none of which they were tuned on: the robust
+//! objective's step, or any scenario ([`scenario`]).
 
-use super::common::{Common, pair, within};
+mod scenario;
+
+use super::common::{Common, Spreads, no_effect, pair, truth, within};
 use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -11,13 +14,13 @@ use std::path::{Path, PathBuf};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::PlantParameters;
-use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::error::known_name;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_tune::design::{self, CATALOGUE, Design};
-use twinrotor_tune::robust::{self, Row, Score, Trial, Tuning};
+use twinrotor_tune::robust::{self, Row, Scatter, Score, Trial, Tuning};
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -27,12 +30,20 @@ pub(super) struct Args {
     /// How many plants to draw around the preset
     #[arg(long, value_name = "N", default_value_t = 300)]
     plants: usize,
+    #[command(flatten)]
+    spreads: Spreads,
     /// The rig's world is the only one that controllers are compared in
     #[arg(long, default_value = "rig")]
     fidelity: choices::Fidelity,
     /// Which, by name or gains file, instead of all there are; 'ours' is always there
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     controllers: Vec<String>,
+    /// Fly this scenario instead of the robust objective's step: a name, or a FILE.toml of your own
+    #[arg(long, conflicts_with_all = ["step", "allowance", "tune", "export"])]
+    scenario: Option<String>,
+    /// Begin the scenario with motors that a minute of squares has warmed
+    #[arg(long, requires = "scenario")]
+    hot: bool,
     /// Step to fly, in degrees, both positive, instead of 15,40
     #[arg(long, value_name = "PITCH,YAW", allow_hyphen_values = true)]
     step: Option<String>,
@@ -42,8 +53,8 @@ pub(super) struct Args {
     /// True lag of both rotors, in s, in every plant, whatever the controllers believe
     #[arg(long, value_name = "S")]
     true_lag: Option<f64>,
-    /// Rig that every plant is in truth, whatever the controllers believe; lag and disturbance are still
-    /// drawn
+    /// Rig that every plant is in truth, all of it, whatever the controllers believe; lag and disturbance are
+    /// still drawn
     #[arg(long, value_name = "RIG")]
     true_rig: Option<String>,
     /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/compared/PRESET/NAME.toml the others'
@@ -63,6 +74,8 @@ struct Document<'a> {
     preset: &'a str,
     fidelity: Fidelity,
     plants: usize,
+    spread: f64,
+    lag_spread: f64,
     seed: u64,
     rotor_lag: PerMotor<f64>,
     controllers: Vec<Row>,
@@ -74,12 +87,16 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         return Err(Failure::Input("--fidelity is ideal; allowed: rig".to_owned()));
     }
     within("--plants", args.plants, 2, 100_000)?;
-    let trial = trial(args, &named)?;
+    let scatter = args.spreads.scatter()?;
+    let trial = trial(args, &named, &scatter)?;
     let mut outputs = outputs(args, &named)?;
     if let Some(rounds) = args.tune {
-        tune_all(args, &named, rounds, &mut outputs)?;
+        tune_all(args, &named, rounds, &scatter, &mut outputs)?;
     }
     let controllers = controllers(args, &named)?;
+    if let Some(name) = &args.scenario {
+        return scenario::run(args, name, &named, &trial, &controllers);
+    }
     let scores: Vec<Vec<Score>> = controllers.iter().map(|(_, c)| trial.scores(c)).collect();
     let rows: Vec<Row> = controllers
         .iter()
@@ -96,6 +113,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             preset: &named.name,
             fidelity: args.fidelity.into(),
             plants: args.plants,
+            spread: scatter.constants,
+            lag_spread: scatter.lag,
             seed: args.common.seed,
             rotor_lag: named.rig.plant.rotor_time_constant,
             controllers: rows,
@@ -109,6 +128,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 /// What is read and written.
 fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
     let mut outputs = args.common.outputs();
+    outputs.reads("--scenario", args.scenario.as_deref().unwrap_or_default());
     outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
     outputs.reads("--gains", ours_path(args, named));
     for name in args.controllers.iter().filter(|name| is_text(name)) {
@@ -130,7 +150,7 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
 }
 
 /// The plants to fly, and how.
-fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
+fn trial(args: &Args, named: &NamedRig, scatter: &Scatter) -> Outcome<Trial> {
     let allowance = match args.allowance {
         Some(allowance) if (1.0..=120.0).contains(&allowance) => allowance,
         Some(allowance) => {
@@ -138,8 +158,8 @@ fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
         }
         None => robust::allowance(&named.name, &named.rig),
     };
-    let mut trial =
-        Trial::new(&named.rig, args.plants, args.common.seed.wrapping_add(robust::UNSEEN), allowance);
+    let seed = args.common.seed.wrapping_add(robust::UNSEEN);
+    let mut trial = Trial::within(&named.rig, args.plants, seed, allowance, scatter);
     if let Some(text) = &args.step {
         let [pitch, yaw] = pair("--step", text)?;
         if !(pitch > 0.0 && pitch <= 90.0 && yaw > 0.0 && yaw <= 360.0) {
@@ -147,17 +167,22 @@ fn trial(args: &Args, named: &NamedRig) -> Outcome<Trial> {
         }
         trial.step = PerAxis::new(pitch, yaw).map(f64::to_radians);
     }
-    if let Some(rig) = &args.true_rig {
-        let truth = files::rig(rig)?.rig.plant;
-        for draw in &mut trial.plants {
-            draw.plant = PlantParameters { rotor_time_constant: draw.plant.rotor_time_constant, ..truth };
+    trial.truth = truth(args.true_rig.as_deref(), args.true_lag, named)?;
+    let plant = trial.truth.plant;
+    for draw in &mut trial.plants {
+        if args.true_rig.is_some() {
+            let rotor_time_constant = draw.plant.rotor_time_constant;
+            draw.plant = PlantParameters { rotor_time_constant, ..plant };
+        }
+        if args.true_lag.is_some() {
+            draw.plant.rotor_time_constant = plant.rotor_time_constant;
         }
     }
-    if let Some(lag) = args.true_lag {
-        let lag = at_least("--true-lag", lag, 0.0, false)?;
-        for draw in &mut trial.plants {
-            draw.plant.rotor_time_constant = PerMotor::both(lag);
-        }
+    if args.true_rig.is_some() && args.spreads.spread.is_some() {
+        return Err(no_effect("--spread", "with --true-rig", "every plant is that rig"));
+    }
+    if args.true_lag.is_some() && args.spreads.lag_spread.is_some() {
+        return Err(no_effect("--lag-spread", "with --true-lag", "every rotor has that lag"));
     }
     Ok(trial)
 }
@@ -240,8 +265,14 @@ fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, Controller
 
 /// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies
 /// by default has had more.
-fn tune_all(args: &Args, named: &NamedRig, rounds: usize, outputs: &mut Outputs) -> Outcome<()> {
-    let tuning = Tuning::standard(named, rounds, args.common.seed);
+fn tune_all(
+    args: &Args,
+    named: &NamedRig,
+    rounds: usize,
+    scatter: &Scatter,
+    outputs: &mut Outputs,
+) -> Outcome<()> {
+    let tuning = Tuning::standard(named, rounds, args.common.seed, scatter);
     for (name, design) in tuned(args) {
         outputs.write(&compared_path(args, named, name), tuning.run(design)?.to_toml().as_bytes());
     }
