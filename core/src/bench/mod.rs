@@ -82,6 +82,11 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     /// Somebody catches the rig, stops its rotors, and holds it until the amplifiers are switched on.
     pub fn hold(&mut self) {
         self.held = true;
+        self.steady();
+    }
+
+    /// Somebody stops the rig and its rotors with a hand, and lets go.
+    pub fn steady(&mut self) {
         self.plant.place(State::at_rest(self.plant.state().angle));
         self.plant.stop_rotors();
     }
@@ -100,6 +105,11 @@ impl<R: Real<Scalar = R, Mask = bool> + Into<f64>> Bench<R> {
     /// Where the rig truly is.
     pub fn state(&self) -> State<R> {
         self.plant.state()
+    }
+
+    /// \[V\] The volts in effect at its rotors.
+    pub fn rotor_volts(&self) -> PerMotor<R> {
+        self.plant.rotor_volts()
     }
 
     /// \[counts\] Whole counts of both shafts, from the horizontal, whatever the encoders show.

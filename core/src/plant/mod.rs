@@ -124,6 +124,11 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
 }
 
 impl<R: Real> RealPlant<R> {
+    /// \[V\] The volts in effect at its rotors, which follow those at the motors.
+    pub fn rotor_volts(&self) -> PerMotor<R> {
+        self.rotors.volts
+    }
+
     /// Stops its rotors at once.
     pub fn stop_rotors(&mut self) {
         self.rotors.volts = PerMotor::zero();
