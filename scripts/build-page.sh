@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds what the page computes with, web/ as WebAssembly, into target/page/twinrotor.wasm, from which
-# `host-sim page` makes the page:
+# Builds what the page computes with, web/ as WebAssembly, and packs it into target/page/twinrotor.wasm.gz, from
+# which `host-sim page` makes the page:
 #
 #     scripts/build-page.sh && cargo run -p host-sim -- page --out heli.html
 #
@@ -13,5 +13,7 @@ toolchain="$(scripts/setup-target.sh wasm32-unknown-unknown)"
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="-C target-feature=+simd128"
 RUSTUP_TOOLCHAIN="$toolchain" cargo build --quiet --locked --target wasm32-unknown-unknown --profile web -p twinrotor-web
 mkdir -p target/page
-cp target/wasm32-unknown-unknown/web/twinrotor_web.wasm target/page/twinrotor.wasm
-echo "target/page/twinrotor.wasm: $(wc -c <target/page/twinrotor.wasm) bytes"
+packed=target/page/twinrotor.wasm.gz
+gzip -9 -n -c target/wasm32-unknown-unknown/web/twinrotor_web.wasm >$packed.new
+mv $packed.new $packed
+echo "$packed: $(wc -c <$packed) bytes"

@@ -1,6 +1,7 @@
 // @ts-check
 // The page: puts its parts together, lets time pass and keeps the address.
 
+import { read85 } from "./base85.js";
 import { Clock } from "./clock.js";
 import { button, byId, input, select } from "./dom.js";
 import { Flights } from "./flights.js";
@@ -16,6 +17,8 @@ import { Tuner } from "./tuner.js";
 
 /** How often words are renewed, in ms. */
 const WORDS_EVERY = 100;
+/** How often plots are redrawn, in ms. */
+const PLOTS_EVERY = 30;
 
 /** Does something, and tells in words what is wrong with it. @param {() => void} work */
 function attempt(work) {
@@ -27,21 +30,24 @@ function attempt(work) {
   }
 }
 
-/** The bytes of the module, which the page carries in itself. @returns {Uint8Array<ArrayBuffer>} */
-function carried() {
-  return Uint8Array.from(atob(byId("wasm").textContent?.trim() ?? ""), (character) => character.charCodeAt(0));
+/** The bytes of the module, which the page carries in itself, packed. */
+async function carried() {
+  const unpacked = new Blob([read85(byId("wasm").textContent ?? "")]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(unpacked).arrayBuffer());
 }
 
 async function main() {
-  const bytes = carried();
+  const bytes = await carried();
   const machine = await Machine.load(bytes);
   const about = machine.ask("about");
   machine.columns = about.columns.length;
   const samples = new History(about.columns.map((/** @type {any} */ column) => column.name));
 
+  const pass = (/** @type {number} */ ticks) => samples.take(machine.advance(ticks));
+
   const plots = new Plots(samples);
   const helicopter = new Helicopter((push) => machine.ask({ push }));
-  const steps = new Steps(machine, attempt);
+  const steps = new Steps(machine, attempt, pass);
   const settings = new Settings(machine, attempt);
   const flights = new Flights(machine);
   const anew = () => {
@@ -58,9 +64,9 @@ async function main() {
     settings.build();
   }));
 
-  const pass = (/** @type {number} */ ticks) => samples.take(machine.advance(ticks));
   let told = 0;
   let rowsBefore = -1;
+  let drawn = 0;
   const clock = new Clock(pass, () => {
     const now = performance.now();
     if (now - told >= WORDS_EVERY) {
@@ -71,8 +77,10 @@ async function main() {
     const row = samples.row(held?.[1]);
     if (row) helicopter.draw(row, now);
     const seen = samples.end + (held ? held[0] + held[1] : 0);
-    if (seen !== rowsBefore) plots.draw();
-    rowsBefore = seen;
+    if (seen !== rowsBefore && now - drawn >= PLOTS_EVERY) {
+      plots.draw();
+      [rowsBefore, drawn] = [seen, now];
+    }
   });
 
   let accepted = "";

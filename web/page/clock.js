@@ -3,7 +3,7 @@
 // stands still, board and operator alike, and goes on from there.
 
 /** Most that one drawn frame makes good, in ms: a machine that slept does not owe the night. */
-const MOST_LATE = 100;
+const MOST_LATE = 250;
 
 export class Clock {
   /** @param {(ticks: number) => void} pass lets ticks pass @param {() => void} draw */

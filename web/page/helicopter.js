@@ -79,7 +79,7 @@ export class Helicopter {
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     gl.viewport(0, 0, width, height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const view = chain(perspective(0.62, width / height), move(0, -0.08, -4.1), aboutX(0.38), aboutY(-0.55));
+    const view = chain(perspective(0.62, width / height), move(0, 0.12, -4.2), aboutX(0.38), aboutY(-0.55));
     gl.uniformMatrix4fv(this.uniforms?.view ?? null, false, view);
     const metal = tint("metal");
     this.part("tube", chain(move(0, -1, 0), stretch(0.05, 1, 0.05)), metal);

@@ -8,11 +8,18 @@ import { button, byId, make } from "./dom.js";
 
 /** How long arming is held, in ms. */
 const HOLD = 1000;
+/** Ticks until a word is at the board, the motors are off, and a row of samples says so. */
+const OBEYED = 6;
 
 export class Steps {
-  /** @param {Machine} machine @param {(work: () => void) => void} attempt does it, and tells what is wrong */
-  constructor(machine, attempt) {
+  /**
+   * @param {Machine} machine
+   * @param {(work: () => void) => void} attempt does it, and tells what is wrong
+   * @param {(ticks: number) => void} pass lets time pass
+   */
+  constructor(machine, attempt, pass) {
     this.machine = machine;
+    this.pass = pass;
     const on = (/** @type {string} */ id, /** @type {import("./machine.js").Request} */ request) =>
       button(id).addEventListener("click", () => attempt(() => machine.ask(request)));
     on("check", { supervisor: "check" });
@@ -32,8 +39,10 @@ export class Steps {
     hold(button("arm"), () => attempt(() => machine.ask({ supervisor: "arm" })));
   }
 
+  /** At once, however slowly this machine draws: the board has the word, and obeys it, before this returns. */
   stop() {
     this.machine.ask({ supervisor: "disarm" });
+    this.pass(OBEYED);
   }
 
   /** @param {any} status */
@@ -51,9 +60,9 @@ export class Steps {
       const told = document.getElementById(`${name}-why`);
       if (told) told.textContent = why ?? "";
     }
-    const wrong = status.wrong.map((/** @type {any} */ one) =>
-      make("li", { class: one.hazard ? "hazard" : "reason" }, one.words));
-    byId("wrong").replaceChildren(...wrong);
+    // What only keeps it from being armed stands beside that button.
+    const hazards = status.wrong.filter((/** @type {any} */ one) => one.hazard);
+    byId("wrong").replaceChildren(...hazards.map((/** @type {any} */ one) => make("li", { class: "hazard" }, one.words)));
     const log = byId("journal");
     for (const entry of status.journal) {
       const time = `${entry.time.toFixed(1)} s `;

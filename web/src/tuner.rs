@@ -1,23 +1,25 @@
 //! The paper's search, an exchange at a time, so that it can be watched.
 
 use serde::Serialize;
-use twinrotor::axes::PerAxis;
+use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::gains::{NAMES, PAPER_BOUNDS};
+use twinrotor::plant::State;
 use twinrotor::plant::presets::{self, Rig};
+use twinrotor::real::Real;
+use twinrotor::reference::Reference;
+use twinrotor_sim::Outcome;
+use twinrotor_sim::closed_loop::{ClosedLoop, IdealLoop};
 use twinrotor_sim::error::known_name;
-use twinrotor_sim::flight::{self, Fidelity, Plan, Scalar};
+use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
 use twinrotor_sim::metrics::Criterion;
-use twinrotor_sim::scenario::Scenario;
-use twinrotor_sim::{Error, Outcome};
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
 use twinrotor_tune::integral::Objective;
-use twinrotor_tune::optimise::{Algorithm, Bounds, Draws, Optimiser, Searcher, Setup, Variant};
+use twinrotor_tune::optimise::{Bounds, Draws, FlowerPollination, FpaSettings, Optimiser, Variant};
 use twinrotor_tune::search::Problem;
 
-/// Table 2 of the paper: N (T + 1).
-const EVALUATIONS: usize = 50 * (30 + 1);
 /// Of a response that is drawn: every so many ticks.
-const DRAWN_EVERY: usize = 20;
+const DRAWN_EVERY: u32 = 20;
 
 /// A search and what it minimises: what `host-sim tune` does with nothing but `--preset` and `--seed`.
 pub struct Tuner {
@@ -26,7 +28,7 @@ pub struct Tuner {
     scenario: Scenario,
     seed: u64,
     objective: Objective,
-    searcher: Searcher,
+    searcher: FlowerPollination,
 }
 
 /// How far it is.
@@ -49,7 +51,7 @@ pub struct Progress {
 }
 
 /// A flight to be drawn.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Response {
     /// \[s\]
     pub time: Vec<f64>,
@@ -68,8 +70,6 @@ impl Tuner {
     pub fn new(preset: &str, seed: u64) -> Outcome<Self> {
         let rig = *known_name("preset", preset, &presets::ALL)?;
         let scenario = Scenario::named("step")?;
-        let setup =
-            Setup { algorithm: Algorithm::Fpa(Variant::Paper), population: None, evaluations: EVALUATIONS };
         let bounds = Bounds::new(vec![PAPER_BOUNDS; NAMES.len()])?;
         Ok(Self {
             preset: preset.to_owned(),
@@ -77,16 +77,16 @@ impl Tuner {
             objective: Objective::new(Criterion::Ise, &rig, &scenario, Fidelity::Ideal, seed),
             scenario,
             seed,
-            searcher: setup.start(bounds, Draws::new(seed)),
+            searcher: FlowerPollination::new(
+                FpaSettings::published(Variant::Paper),
+                bounds,
+                Draws::new(seed),
+            ),
         })
     }
 
     /// One exchange further.
-    ///
-    /// # Errors
-    ///
-    /// If the best flight cannot be flown again.
-    pub fn go_on(&mut self) -> Outcome<Progress> {
+    pub fn go_on(&mut self) -> Progress {
         let before = self.cost();
         let asked = self.searcher.ask();
         if !asked.is_empty() {
@@ -96,15 +96,15 @@ impl Tuner {
         let (evaluations, budget) = (self.searcher.evaluations(), self.searcher.budget());
         let improved = self.cost() != before;
         let best = self.searcher.best().filter(|best| best.cost.is_finite());
-        Ok(Progress {
+        Progress {
             evaluations,
             budget,
             asked: asked.into_iter().map(|candidate| candidate.position).collect(),
             best: best.map(|best| best.position.clone()),
             cost: best.map(|best| best.cost),
-            response: best.filter(|_| improved).map(|best| self.response(&best.position)).transpose()?,
+            response: best.filter(|_| improved).map(|best| self.response(&best.position)),
             gains_toml: best.filter(|_| evaluations >= budget).map(|_| self.file().to_toml()),
-        })
+        }
     }
 
     fn cost(&self) -> Option<f64> {
@@ -128,23 +128,22 @@ impl Tuner {
         found
     }
 
-    fn response(&self, position: &[f64]) -> Result<Response, Error> {
-        let settings = Objective::controller(position).settings(&self.rig);
-        let plan = Plan {
-            rig: &self.rig,
-            settings: &settings,
-            scenario: &self.scenario,
-            initial: PerAxis::zero(),
-            fidelity: Fidelity::Ideal,
-            seed: self.seed,
-        };
-        let flown = flight::fly(&plan, Scalar::F32)?;
-        let rows = flown.rows.iter().step_by(DRAWN_EVERY);
-        Ok(Response {
-            time: rows.clone().map(|row| row.time).collect(),
-            pitch: rows.clone().map(|row| row.state.angle.pitch.to_degrees()).collect(),
-            yaw: rows.map(|row| row.state.angle.yaw.to_degrees()).collect(),
-        })
+    /// The step response to gains of the paper's order, as it was judged.
+    fn response(&self, position: &[f64]) -> Response {
+        let settings = Objective::controller(position).settings(&self.rig).map(f32::from_f64);
+        let start = State::at_rest(PerAxis::zero());
+        let mut closed_loop = IdealLoop::<f32>::new(&self.rig, &settings, start, SAMPLE_TIME);
+        let references: Vec<Reference<f32>> = self.scenario.references();
+        let mut response = Response::default();
+        for (tick, reference) in (0_u32..).zip(&references) {
+            let angle = closed_loop.tick(reference, PerMotor::zero()).state.angle;
+            if tick.is_multiple_of(DRAWN_EVERY) {
+                response.time.push(f64::from(tick) * SAMPLE_TIME);
+                response.pitch.push(f64::from(angle.pitch).to_degrees());
+                response.yaw.push(f64::from(angle.yaw).to_degrees());
+            }
+        }
+        response
     }
 }
 
@@ -152,26 +151,33 @@ impl Tuner {
 mod tests {
     use super::*;
     use twinrotor_tune::checkpoint::Identity;
+    use twinrotor_tune::optimise::{Algorithm, Setup};
     use twinrotor_tune::search::Search;
+
+    /// Table 2 of the paper: N (T + 1).
+    const EVALUATIONS: usize = 50 * (30 + 1);
 
     /// The command line drives the same search by [`Search`].
     #[test]
     fn watching_it_does_not_change_what_it_finds() {
         let mut tuner = Tuner::new("paper", 7).unwrap();
         let (last, mut seen) = loop {
-            let progress = tuner.go_on().unwrap();
+            let progress = tuner.go_on();
             if progress.gains_toml.is_some() {
                 break (progress, tuner.searcher.evaluations());
             }
         };
         let begun = Tuner::new("paper", 7).unwrap();
-        let mut search = Search::new(Identity::new(), begun.searcher);
+        let algorithm = Algorithm::Fpa(Variant::Paper);
+        let setup = Setup { algorithm, population: None, evaluations: EVALUATIONS };
+        let bounds = Bounds::new(vec![PAPER_BOUNDS; NAMES.len()]).unwrap();
+        let mut search = Search::new(Identity::new(), setup.start(bounds, Draws::new(7)));
         search.to_the_end(&begun.objective);
         let best = search.best().unwrap();
         assert_eq!((last.best.as_ref(), last.cost), (Some(&best.position), Some(best.cost)));
         assert_eq!((seen, search.evaluations()), (EVALUATIONS, EVALUATIONS));
         // Asked once more, it stays where it is.
-        seen = tuner.go_on().unwrap().evaluations;
+        seen = tuner.go_on().evaluations;
         assert_eq!(seen, EVALUATIONS);
     }
 }

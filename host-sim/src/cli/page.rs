@@ -13,7 +13,7 @@ pub(super) struct Args {
     /// Where to write the page
     #[arg(long, value_name = "FILE", default_value = "heli.html")]
     out: PathBuf,
-    /// The WebAssembly module that computes, as scripts/build-page.sh builds it
+    /// The WebAssembly module that computes, as scripts/build-page.sh builds and packs it
     #[arg(long, value_name = "FILE", default_value = page::MODULE)]
     module: PathBuf,
     /// Print one JSON document and nothing else
@@ -57,11 +57,11 @@ fn read(module: &Path) -> Outcome<Vec<u8>> {
             page::MODULE
         ))
     })?;
-    if page::is_module(&bytes) {
+    if page::is_packed(&bytes) {
         return Ok(bytes);
     }
     Err(Failure::Input(format!(
-        "--module {} is no WebAssembly module; scripts/build-page.sh builds {}",
+        "--module {} is no module packed with gzip; scripts/build-page.sh builds {}",
         module.display(),
         page::MODULE
     )))

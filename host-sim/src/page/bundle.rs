@@ -2,7 +2,8 @@
 //! not load modules of its own.
 //!
 //! The page's modules keep to the little that this reads: `import { a, b } from "./x.js";`, and `export` before
-//! a `class`, `const`, `function` or `async function`, both at the beginning of a line.
+//! a `class`, `const`, `function` or `async function`, both at the beginning of a line. Comments that are lines
+//! of their own are left out.
 
 use std::collections::BTreeSet;
 
@@ -28,7 +29,7 @@ fn add(modules: &[Module], name: &str, there: &mut BTreeSet<String>, script: &mu
     let module = modules.iter().find(|module| module.name == name);
     let module = module.unwrap_or_else(|| panic!("the page has no module {name}"));
     let (mut body, mut exports) = (String::new(), Vec::new());
-    for line in module.text.lines() {
+    for line in code(module.text) {
         if let Some((names, from)) = import(line) {
             add(modules, from, there, script);
             body.push_str(&format!("const {{{names}}} = {};\n", variable(from)));
@@ -44,6 +45,17 @@ fn add(modules: &[Module], name: &str, there: &mut BTreeSet<String>, script: &mu
     let exports = exports.join(", ");
     script
         .push_str(&format!("const {} = (() => {{\n{body}return {{ {exports} }};\n}})();\n", variable(name)));
+}
+
+/// The lines that do something, without their indent: not those that are all comment, and not the empty ones.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    let mut within = false;
+    text.lines().map(str::trim).filter(move |line| {
+        let begins = line.starts_with("/**");
+        let comment = within || begins && (line.ends_with("*/") || !line.contains("*/"));
+        within = (within || begins) && !line.contains("*/");
+        !(comment || line.is_empty() || line.starts_with("//"))
+    })
 }
 
 /// What a line imports, and from where.
@@ -78,13 +90,13 @@ mod tests {
             },
             Module {
                 name: "b-b.js",
-                text: "import { c } from \"./c.js\";\nexport function f(x) {\n  return x + c;\n}\n",
+                text: "import { c } from \"./c.js\";\n/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  return x + c;\n}\n",
             },
             Module { name: "c.js", text: "export const c = 1;\n" },
         ];
         let expected = "\"use strict\";\n\
             const module_c = (() => {\nconst c = 1;\nreturn { c };\n})();\n\
-            const module_b_b = (() => {\nconst { c } = module_c;\nfunction f(x) {\n  return x + c;\n}\nreturn { f };\n})();\n\
+            const module_b_b = (() => {\nconst { c } = module_c;\nfunction f(x) {\nreturn x + c;\n}\nreturn { f };\n})();\n\
             const module_a = (() => {\nconst { f } = module_b_b;\nconst { c } = module_c;\nf(c);\nreturn {  };\n})();\n";
         assert_eq!(bundle(&modules, "a.js"), expected);
     }

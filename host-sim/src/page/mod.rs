@@ -1,7 +1,7 @@
 //! The page as one file that needs nothing else: `web/page/` with its scripts in order, uPlot, and the module
-//! that computes.
+//! that computes, packed.
 
-mod base64;
+mod base85;
 mod bundle;
 
 use bundle::Module;
@@ -13,8 +13,9 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 16] = modules![
+const MODULES: [Module; 17] = modules![
     "app.js",
+    "base85.js",
     "clock.js",
     "dom.js",
     "flights.js",
@@ -38,28 +39,29 @@ const PLOT: &str = include_str!("../../../web/page/vendor/uPlot.iife.min.js");
 const PLOT_LICENCE: &str = include_str!("../../../web/page/vendor/LICENSE-uPlot");
 
 /// Where `scripts/build-page.sh` puts the module.
-pub const MODULE: &str = "target/page/twinrotor.wasm";
-/// What a WebAssembly module begins with.
-const MAGIC: &[u8] = b"\0asm";
+pub const MODULE: &str = "target/page/twinrotor.wasm.gz";
+/// What a file of gzip begins with.
+const MAGIC: &[u8] = &[0x1f, 0x8b];
 
-/// Are these bytes a module?
+/// Can these bytes be a module, packed with gzip?
 #[must_use]
-pub fn is_module(bytes: &[u8]) -> bool {
+pub fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// The page around `module`.
+/// The page around `module`, which is packed.
 #[must_use]
 pub fn page(module: &[u8]) -> String {
     let plot = format!("/* uPlot\n{}*/\n{PLOT}", PLOT_LICENCE.trim_end());
     let parts = [
-        ("/*STYLE*/", format!("{PLOT_STYLE}\n{STYLE}")),
-        ("/*WASM*/", base64::encode(module)),
+        ("/*STYLE*/", format!("{PLOT_STYLE}\n{}", flush(STYLE))),
+        ("/*WASM*/", base85::encode(module)),
         ("/*WORKER*/", bundle::bundle(&MODULES, "tuner-worker.js")),
         ("/*UPLOT*/", plot),
         ("/*APP*/", bundle::bundle(&MODULES, "app.js")),
     ];
-    let mut rest = PAGE;
+    let whole = flush(PAGE);
+    let mut rest = whole.as_str();
     let mut page = String::new();
     for (mark, part) in parts {
         let (before, after) =
@@ -71,14 +73,19 @@ pub fn page(module: &[u8]) -> String {
     page + rest
 }
 
+/// A text without its indent.
+fn flush(text: &str) -> String {
+    text.lines().flat_map(|line| [line.trim_start(), "\n"]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn the_page_is_whole_and_asks_for_nothing_outside() {
-        let page = page(b"\0asm\x01");
-        assert!(page.contains("AGFzbQE=") && page.trim_end().ends_with("</html>"));
+        let page = page(&[0x1f, 0x8b, 8]);
+        assert!(page.contains(&base85::encode(&[0x1f, 0x8b, 8])) && page.trim_end().ends_with("</html>"));
         let of = |text: &str| page.matches(text).count();
         // A script that held the end of one would end there.
         assert_eq!((of("<script"), of("</script>")), (4, 4));

@@ -1,7 +1,7 @@
 //! What can be made to go wrong with a simulated rig, by a click.
 
 use serde::Serialize;
-use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::axes::PerAxis;
 use twinrotor::bench::Faults;
 use twinrotor::plant::presets::Rig;
 use twinrotor::supervisor::{Condition, Conditions};
@@ -24,8 +24,6 @@ pub enum Fault {
     EncodersSwapped,
     /// The motors are swapped.
     MotorsSwapped,
-    /// The main motor is not connected.
-    MainOpen,
     /// The supply sinks below what the rig allows.
     SupplyDip,
     /// The emergency stop is pressed.
@@ -35,14 +33,13 @@ pub enum Fault {
 }
 
 /// Each by its name, with what a person reads.
-pub const ALL: [(&str, (Fault, &str)); 10] = [
+pub const ALL: [(&str, (Fault, &str)); 9] = [
     ("pitch-stuck", (Fault::PitchStuck, "pitch encoder unplugged")),
     ("yaw-stuck", (Fault::YawStuck, "yaw encoder unplugged")),
     ("pitch-reversed", (Fault::PitchReversed, "pitch encoder reversed")),
     ("yaw-reversed", (Fault::YawReversed, "yaw encoder reversed")),
     ("encoders-swapped", (Fault::EncodersSwapped, "encoders swapped")),
     ("motors-swapped", (Fault::MotorsSwapped, "motors swapped")),
-    ("main-open", (Fault::MainOpen, "main motor unplugged")),
     ("supply-dip", (Fault::SupplyDip, "supply dips")),
     ("emergency-stop", (Fault::EmergencyStop, "emergency stop pressed")),
     ("link-lost", (Fault::LinkLost, "link lost")),
@@ -87,21 +84,19 @@ impl Present {
         ALL.iter().map(|&(name, (fault, words))| Listed { name, words, present: self.has(fault) }).collect()
     }
 
-    /// Puts them into the rig and its board. The line is not theirs.
-    pub fn apply(&self, board: &mut SimulatedBoard, rig: &Rig) {
+    /// Puts them into the rig, whose `supply` \[V\] is as it should be, and its board. The line is not theirs.
+    pub fn apply(&self, board: &mut SimulatedBoard, rig: &Rig, supply: f32) {
         let has = |fault| self.has(fault);
         board.bench.faults = Faults {
             motors_swapped: has(Fault::MotorsSwapped),
-            motor_open: PerMotor::new(has(Fault::MainOpen), false),
             encoders_swapped: has(Fault::EncodersSwapped),
             encoder_reversed: PerAxis::new(has(Fault::PitchReversed), has(Fault::YawReversed)),
             encoder_stuck: PerAxis::new(has(Fault::PitchStuck), has(Fault::YawStuck)),
             ..Faults::default()
         };
-        let supply = if has(Fault::SupplyDip) { 0.9 * rig.supply.lowest } else { rig.supply.nominal };
-        #[expect(clippy::cast_possible_truncation, reason = "some 24 V")]
-        let supply = supply as f32;
-        board.bench.supply = supply;
+        #[expect(clippy::cast_possible_truncation, reason = "some 16 V")]
+        let dip = 0.9 * rig.supply.lowest as f32;
+        board.bench.supply = if has(Fault::SupplyDip) { dip } else { supply };
         board.senses = Conditions::NONE.with(Condition::EmergencyStop, has(Fault::EmergencyStop));
     }
 }

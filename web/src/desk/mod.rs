@@ -64,6 +64,8 @@ pub struct Desk {
     preset: String,
     rig: Rig,
     board: SimulatedBoard,
+    /// \[V\] Of the amplifiers, as it should be.
+    supply: f32,
     client: Client,
     ticks: u64,
     parameters: Parameters,
@@ -123,6 +125,7 @@ impl Desk {
         Ok(Self {
             preset: choice.preset.clone(),
             rig,
+            supply: board.bench.supply,
             board,
             client,
             ticks: 0,
@@ -372,7 +375,7 @@ impl Desk {
     /// If there is none of that name.
     pub fn fault(&mut self, name: &str, present: bool) -> Outcome<()> {
         let words = self.faults.set(name, present)?;
-        self.faults.apply(&mut self.board, &self.rig);
+        self.faults.apply(&mut self.board, &self.rig, self.supply);
         self.journal.note(self.ticks, if present { words.to_owned() } else { format!("mended: {words}") });
         Ok(())
     }
