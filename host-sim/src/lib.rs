@@ -17,6 +17,7 @@ pub mod error;
 pub mod figures;
 pub mod files;
 pub mod line;
+pub mod page;
 pub mod report;
 pub mod stop;
 pub mod threads;

@@ -91,6 +91,11 @@ impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
     /// Somebody catches the rig, stops its rotors, and holds it until the amplifiers are switched on.
     pub fn hold(&mut self) {
         self.held = true;
+        self.steady();
+    }
+
+    /// Somebody stops the rig and its rotors with a hand, and lets go.
+    pub fn steady(&mut self) {
         self.plant.place(State::at_rest(self.plant.state().angle));
         self.plant.set_rotors(PerMotor::zero());
     }
@@ -114,6 +119,11 @@ impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
     /// Where the rig truly is.
     pub fn state(&self) -> State<R> {
         self.plant.state()
+    }
+
+    /// \[V\] The volts in effect at its rotors.
+    pub fn rotor_volts(&self) -> PerMotor<R> {
+        self.plant.rotor_volts()
     }
 
     /// \[counts\] Whole counts of both shafts, from the horizontal, whatever the encoders show.

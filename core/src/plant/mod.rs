@@ -143,6 +143,11 @@ impl<R: Real> RealPlant<R> {
     pub fn set_rotors(&mut self, volts: PerMotor<R>) {
         self.rotors.volts = volts;
     }
+
+    /// \[V\] The volts in effect at its rotors, which follow those at the motors.
+    pub fn rotor_volts(&self) -> PerMotor<R> {
+        self.rotors.volts
+    }
 }
 
 fn has_friction<R: Real>(parameters: &PlantParameters<R>) -> bool {

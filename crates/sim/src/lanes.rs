@@ -53,7 +53,13 @@ pub fn in_lanes_with<K: Kernel>(level: Level, kernel: K) -> K::Output {
         }
         unreachable!("every x86-64 processor has SSE2")
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    // Compiled for vectors, a module has them; lanes one by one would be many times its size.
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    {
+        let Some(simd) = level.as_wasm_simd128() else { unreachable!("the module is made for vectors") };
+        outlined(simd, kernel)
+    }
+    #[cfg(not(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128"))))]
     fearless_simd::dispatch!(level, simd => outlined(simd, kernel))
 }
 

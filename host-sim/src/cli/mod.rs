@@ -13,6 +13,7 @@ mod flash;
 mod fly;
 mod identify;
 mod margins;
+mod page;
 mod pareto;
 mod replay;
 mod reproduce;
@@ -51,6 +52,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
     Fly(fly::Args),
+    /// The simulated board and the tuner as one file to open in a browser
+    Page(page::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
     Flash(flash::Args),
     /// A rig's constants, with intervals, from logs of its own runs
@@ -91,6 +94,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Fly(args) => fly::run(&args),
+        Command::Page(args) => page::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -10,13 +10,15 @@ const AGAIN: u32 = 200;
 
 /// References, a tick each, handed out as setpoints when they are due.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Course {
+pub struct Course {
     references: Vec<Reference<f32>>,
     last: Option<(u32, Reference<f32>)>,
 }
 
 impl Course {
-    pub(super) const fn new(references: Vec<Reference<f32>>) -> Self {
+    /// Of these references.
+    #[must_use]
+    pub const fn new(references: Vec<Reference<f32>>) -> Self {
         Self { references, last: None }
     }
 
@@ -39,7 +41,8 @@ impl Course {
     }
 
     /// \[ticks\] How long it is.
-    pub(super) fn ticks(&self) -> u32 {
+    #[must_use]
+    pub fn ticks(&self) -> u32 {
         u32::try_from(self.references.len()).unwrap_or(u32::MAX)
     }
 
@@ -49,7 +52,7 @@ impl Course {
     }
 
     /// The setpoint to be said for `tick` of the course, if one is.
-    pub(super) fn due(&mut self, tick: u32) -> Option<Reference<f32>> {
+    pub fn due(&mut self, tick: u32) -> Option<Reference<f32>> {
         let reference = *self.references.get(tick as usize).or(self.references.last())?;
         let due = self.last.is_none_or(|(at, last)| {
             let rests = |reference: &Reference<f32>| *reference == Reference::at_rest(reference.angle);

@@ -22,7 +22,7 @@ pub use plan::{End, Ending, Event, Leg, Motors, Plan, Wish, Write};
 
 use air::Leave;
 use clock::Clock;
-use course::Course;
+pub use course::Course;
 use std::collections::VecDeque;
 use std::time::Duration;
 use twinrotor::control_loop::OperatorCommand;

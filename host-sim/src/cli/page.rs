@@ -1,0 +1,68 @@
+//! `page`: the simulated board, the tuner and what shows them, as one file for a browser.
+
+use super::{print, print_json};
+use crate::error::{Failure, Outcome};
+use crate::files::output::Outputs;
+use crate::page;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Flags of `page`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Where to write the page
+    #[arg(long, value_name = "FILE", default_value = "heli.html")]
+    out: PathBuf,
+    /// The WebAssembly module that computes, as scripts/build-page.sh builds and packs it
+    #[arg(long, value_name = "FILE", default_value = page::MODULE)]
+    module: PathBuf,
+    /// Print one JSON document and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    out: &'a Path,
+    bytes: usize,
+}
+
+pub(super) fn run(args: &Args) -> Outcome<()> {
+    let Args { out, module, json } = args;
+    let mut outputs = Outputs::new();
+    outputs.reads("--module", module);
+    let bytes = read(module)?;
+    outputs.writes("--out", out)?;
+    let page = page::page(&bytes);
+    outputs.write(out, page.as_bytes());
+    if *json {
+        print_json(&Document { out, bytes: page.len() })?;
+    } else {
+        print(&format!(
+            "{}: {} kB; open it in a browser, no network is needed\n{}",
+            out.display(),
+            page.len().div_ceil(1000),
+            outputs.unwritten()
+        ))?;
+    }
+    outputs.done()
+}
+
+/// The module, or which command builds it.
+fn read(module: &Path) -> Outcome<Vec<u8>> {
+    let bytes = std::fs::read(module).map_err(|error| {
+        Failure::Input(format!(
+            "--module {} cannot be read: {error}; scripts/build-page.sh builds {}",
+            module.display(),
+            page::MODULE
+        ))
+    })?;
+    if page::is_packed(&bytes) {
+        return Ok(bytes);
+    }
+    Err(Failure::Input(format!(
+        "--module {} is no module packed with gzip; scripts/build-page.sh builds {}",
+        module.display(),
+        page::MODULE
+    )))
+}

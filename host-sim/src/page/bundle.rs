@@ -1,0 +1,103 @@
+//! ES modules as one script: each becomes a function that gives what it exports. A page opened from a file may
+//! not load modules of its own.
+//!
+//! The page's modules keep to the little that this reads: `import { a, b } from "./x.js";`, and `export` before
+//! a `class`, `const`, `function` or `async function`, both at the beginning of a line. Comments that are lines
+//! of their own are left out.
+
+use std::collections::BTreeSet;
+
+/// A module's name and text.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Module {
+    pub(super) name: &'static str,
+    pub(super) text: &'static str,
+}
+
+/// The module `entry` with all that it needs, as one script.
+pub(super) fn bundle(modules: &[Module], entry: &str) -> String {
+    let mut script = String::from("\"use strict\";\n");
+    add(modules, entry, &mut BTreeSet::new(), &mut script);
+    script
+}
+
+/// Adds a module after those that it needs, unless it is there.
+fn add(modules: &[Module], name: &str, there: &mut BTreeSet<String>, script: &mut String) {
+    if !there.insert(name.to_owned()) {
+        return;
+    }
+    let module = modules.iter().find(|module| module.name == name);
+    let module = module.unwrap_or_else(|| panic!("the page has no module {name}"));
+    let (mut body, mut exports) = (String::new(), Vec::new());
+    for line in code(module.text) {
+        if let Some((names, from)) = import(line) {
+            add(modules, from, there, script);
+            body.push_str(&format!("const {{{names}}} = {};\n", variable(from)));
+        } else if let Some(rest) = line.strip_prefix("export ") {
+            exports.push(declared(rest));
+            body.push_str(rest);
+            body.push('\n');
+        } else {
+            body.push_str(line);
+            body.push('\n');
+        }
+    }
+    let exports = exports.join(", ");
+    script
+        .push_str(&format!("const {} = (() => {{\n{body}return {{ {exports} }};\n}})();\n", variable(name)));
+}
+
+/// The lines that do something, without their indent: not those that are all comment, and not the empty ones.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    let mut within = false;
+    text.lines().map(str::trim).filter(move |line| {
+        let begins = line.starts_with("/**");
+        let comment = within || begins && (line.ends_with("*/") || !line.contains("*/"));
+        within = (within || begins) && !line.contains("*/");
+        !(comment || line.is_empty() || line.starts_with("//"))
+    })
+}
+
+/// What a line imports, and from where.
+fn import(line: &str) -> Option<(&str, &str)> {
+    let (names, from) = line.strip_prefix("import {")?.split_once("} from \"./")?;
+    Some((names, from.strip_suffix("\";")?))
+}
+
+/// The name that is declared.
+fn declared(rest: &str) -> &str {
+    let name =
+        ["class ", "const ", "function ", "async function "].iter().find_map(|kind| rest.strip_prefix(kind));
+    let name = name.unwrap_or_else(|| panic!("'export {rest}' declares nothing that can be bundled"));
+    name.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default()
+}
+
+/// What a module is called in the script.
+fn variable(name: &str) -> String {
+    format!("module_{}", name.trim_end_matches(".js").replace('-', "_"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_needed_comes_first_and_once() {
+        let modules = [
+            Module {
+                name: "a.js",
+                text: "import { f } from \"./b-b.js\";\nimport { c } from \"./c.js\";\nf(c);\n",
+            },
+            Module {
+                name: "b-b.js",
+                text: "import { c } from \"./c.js\";\n/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  return x + c;\n}\n",
+            },
+            Module { name: "c.js", text: "export const c = 1;\n" },
+        ];
+        let expected = "\"use strict\";\n\
+            const module_c = (() => {\nconst c = 1;\nreturn { c };\n})();\n\
+            const module_b_b = (() => {\nconst { c } = module_c;\nfunction f(x) {\nreturn x + c;\n}\nreturn { f };\n})();\n\
+            const module_a = (() => {\nconst { f } = module_b_b;\nconst { c } = module_c;\nf(c);\nreturn {  };\n})();\n";
+        assert_eq!(bundle(&modules, "a.js"), expected);
+    }
+}

@@ -1,0 +1,97 @@
+//! The page as one file that needs nothing else: `web/page/` with its scripts in order, uPlot, and the module
+//! that computes, packed.
+
+mod base85;
+mod bundle;
+
+use bundle::Module;
+
+/// The page's own scripts.
+macro_rules! modules {
+    ($($name:literal),+ $(,)?) => {
+        [$( Module { name: $name, text: include_str!(concat!("../../../web/page/", $name)) } ),+]
+    };
+}
+
+const MODULES: [Module; 17] = modules![
+    "app.js",
+    "base85.js",
+    "clock.js",
+    "dom.js",
+    "flights.js",
+    "helicopter.js",
+    "history.js",
+    "link.js",
+    "machine.js",
+    "matrix.js",
+    "mesh.js",
+    "plots.js",
+    "rig.js",
+    "settings.js",
+    "steps.js",
+    "tuner.js",
+    "tuner-worker.js",
+];
+const PAGE: &str = include_str!("../../../web/page/index.html");
+const STYLE: &str = include_str!("../../../web/page/style.css");
+const PLOT_STYLE: &str = include_str!("../../../web/page/vendor/uPlot.min.css");
+const PLOT: &str = include_str!("../../../web/page/vendor/uPlot.iife.min.js");
+const PLOT_LICENCE: &str = include_str!("../../../web/page/vendor/LICENSE-uPlot");
+
+/// Where `scripts/build-page.sh` puts the module.
+pub const MODULE: &str = "target/page/twinrotor.wasm.gz";
+/// What a file of gzip begins with.
+const MAGIC: &[u8] = &[0x1f, 0x8b];
+
+/// Can these bytes be a module, packed with gzip?
+#[must_use]
+pub fn is_packed(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
+/// The page around `module`, which is packed.
+#[must_use]
+pub fn page(module: &[u8]) -> String {
+    let plot = format!("/* uPlot\n{}*/\n{PLOT}", PLOT_LICENCE.trim_end());
+    let parts = [
+        ("/*STYLE*/", format!("{PLOT_STYLE}\n{}", flush(STYLE))),
+        ("/*WASM*/", base85::encode(module)),
+        ("/*WORKER*/", bundle::bundle(&MODULES, "tuner-worker.js")),
+        ("/*UPLOT*/", plot),
+        ("/*APP*/", bundle::bundle(&MODULES, "app.js")),
+    ];
+    let whole = flush(PAGE);
+    let mut rest = whole.as_str();
+    let mut page = String::new();
+    for (mark, part) in parts {
+        let (before, after) =
+            rest.split_once(mark).expect("the page has a place for each part, in this order");
+        page.push_str(before);
+        page.push_str(&part);
+        rest = after;
+    }
+    page + rest
+}
+
+/// A text without its indent.
+fn flush(text: &str) -> String {
+    text.lines().flat_map(|line| [line.trim_start(), "\n"]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_is_whole_and_asks_for_nothing_outside() {
+        let page = page(&[0x1f, 0x8b, 8]);
+        assert!(page.contains(&base85::encode(&[0x1f, 0x8b, 8])) && page.trim_end().ends_with("</html>"));
+        let of = |text: &str| page.matches(text).count();
+        // A script that held the end of one would end there.
+        assert_eq!((of("<script"), of("</script>")), (4, 4));
+        for outside in ["src=\"", "href=\"http", "import(", "@import", "fetch(", "XMLHttpRequest"] {
+            assert_eq!(of(outside), 0, "{outside}");
+        }
+        assert!(page.contains("MIT License"), "uPlot's licence goes with it");
+    }
+}

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, against what the
+# same code gives on this machine. What needs a program that is not here says that it was not run. With a
+# folder as argument, pictures of the page are put there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder=target/page
+
+scripts/build-page.sh
+cargo run -q -p host-sim -- page --out $folder/heli.html
+size=$(wc -c <$folder/heli.html)
+[ "$size" -le 600000 ] || { echo "the page has $size bytes; 600,000 are allowed"; exit 1; }
+
+cargo run -q -p twinrotor-web --example fingerprints 1000000 >$folder/fingerprints.txt
+cargo run -q -p host-sim -- tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
+
+long=$(find web/page web/tests -name '*.js' -not -path '*/vendor/*' -o -name '*.mjs' | xargs wc -l | awk '$2 != "total" && $1 >= 300')
+[ -z "$long" ] || { echo "300 lines and more: $long"; exit 1; }
+
+if ! command -v node >/dev/null; then
+  echo "not run: there is no Node here (apt-get install nodejs npm)"
+  exit 0
+fi
+if command -v npx >/dev/null; then
+  npx --yes -p typescript@5.9.3 tsc -p web/page/tsconfig.json
+else
+  echo "types not checked: there is no npx here (apt-get install npm)"
+fi
+node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
+node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"

@@ -1,0 +1,83 @@
+// @ts-check
+// What is flown and what disturbs it: preset, controller, scenario, goal, wind, and faults to click.
+
+import { button, byId, choices, input, make, select } from "./dom.js";
+
+/** @typedef {import("./machine.js").Machine} Machine */
+
+export class Rig {
+  /**
+   * @param {Machine} machine @param {any} about @param {(work: () => void) => void} attempt
+   * @param {() => void} anew the desk is another one
+   * @param {() => void} drawn the draft is another controller
+   */
+  constructor(machine, about, attempt, anew, drawn) {
+    this.machine = machine;
+    this.attempt = attempt;
+    choices("preset", about.presets);
+    choices("controller", about.controllers);
+    choices("scenario", about.scenarios);
+    select("preset").addEventListener("change", () => this.begin(anew));
+    select("controller").addEventListener("change", () => attempt(() => {
+      machine.ask({ draw: { controller: select("controller").value } });
+      drawn();
+    }));
+    button("begin").addEventListener("click", () => this.begin(anew));
+    button("fly").addEventListener("click", () => attempt(() =>
+      machine.ask({ fly: { scenario: select("scenario").value } })));
+    for (const id of ["aim-pitch", "aim-yaw"]) input(id).addEventListener("input", () => this.aim());
+    for (const id of ["wind-main", "wind-tail", "gusts"]) input(id).addEventListener("input", () => this.disturb());
+    input("steady").addEventListener("change", () => this.steady());
+    /** @type {Map<string, HTMLInputElement>} */
+    this.faults = new Map();
+  }
+
+  /** A board with the chosen rig and controller. @param {() => void} anew */
+  begin(anew) {
+    this.attempt(() => {
+      this.machine.ask({ begin: { preset: select("preset").value, controller: select("controller").value } });
+      for (const id of ["aim-pitch", "aim-yaw"]) input(id).value = "0";
+      this.disturb();
+      this.steady();
+      anew();
+    });
+  }
+
+  aim() {
+    const [pitch_deg, yaw_deg] = ["aim-pitch", "aim-yaw"].map((id) => input(id).valueAsNumber);
+    this.attempt(() => this.machine.ask({ aim: { pitch_deg, yaw_deg } }));
+    byId("aim-told").textContent = `${pitch_deg}° pitch, ${yaw_deg}° yaw`;
+  }
+
+  disturb() {
+    const [main, tail] = ["wind-main", "wind-tail"].map((id) => input(id).valueAsNumber);
+    this.attempt(() => this.machine.ask({ disturb: { main, tail, gusts: input("gusts").checked } }));
+    byId("wind-told").textContent = `${main} V at the main rotor, ${tail} V at the tail`;
+  }
+
+  steady() {
+    this.attempt(() => this.machine.ask({ steady: input("steady").checked }));
+  }
+
+  /** @param {any} status */
+  show(status) {
+    if (this.faults.size === 0) this.list(status.faults);
+    for (const { name, present } of status.faults) {
+      const box = this.faults.get(name);
+      if (box) box.checked = present;
+    }
+    for (const id of ["aim-pitch", "aim-yaw"]) input(id).disabled = status.state !== "armed";
+  }
+
+  /** @param {any[]} faults */
+  list(faults) {
+    const boxes = faults.map(({ name, words }) => {
+      const box = /** @type {HTMLInputElement} */ (make("input", { type: "checkbox", "data-fault": name }));
+      box.addEventListener("change", () => this.attempt(() =>
+        this.machine.ask({ fault: { name, present: box.checked } })));
+      this.faults.set(name, box);
+      return make("label", {}, box, ` ${words}`);
+    });
+    byId("faults").replaceChildren(...boxes);
+  }
+}

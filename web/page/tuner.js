@@ -1,0 +1,128 @@
+// @ts-check
+// The paper's flower pollination before the reader's eyes: flowers as dots in the space of the gains, the best
+// response redrawn. What it finds is, bit for bit, what `host-sim tune` writes for that preset and seed.
+
+import { button, byId, colour, download, input, select } from "./dom.js";
+
+/** @typedef {{ asked: number[][], best: number[] | null, cost: number | null, evaluations: number, budget: number,
+ *    response: { time: number[], pitch: number[], yaw: number[] } | null, gains_toml: string | null }} Progress */
+
+/** The goal of the paper's step, drawn as a line. */
+const SECONDS = 5;
+
+export class Tuner {
+  /**
+   * @param {Uint8Array} bytes of the module @param {string} source of the worker @param {any} about
+   * @param {(gains: string) => void} use takes what was found into the sliders
+   */
+  constructor(bytes, source, about, use) {
+    this.bytes = bytes;
+    this.source = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
+    this.about = about;
+    /** @type {Worker | undefined} */
+    this.worker = undefined;
+    /** @type {number[][]} */
+    this.flowers = [];
+    /** @type {Progress["response"]} */
+    this.response = null;
+    /** @type {string | null} */
+    this.found = null;
+    button("tune").addEventListener("click", () => this.start());
+    button("tune-use").addEventListener("click", () => this.found && use(this.found));
+    button("tune-save").addEventListener("click", () => this.found && download("gains.toml", this.found));
+    this.begun = 0;
+  }
+
+  start() {
+    this.worker?.terminate();
+    this.flowers = [];
+    this.response = null;
+    this.found = null;
+    this.begun = performance.now();
+    for (const id of ["tune-use", "tune-save"]) button(id).disabled = true;
+    const worker = new Worker(this.source);
+    this.worker = worker;
+    worker.addEventListener("message", (event) => this.take(event.data));
+    const seed = Math.max(0, Math.round(input("seed").valueAsNumber || 0));
+    worker.postMessage({ bytes: this.bytes, preset: select("preset").value, seed });
+  }
+
+  /** @param {Progress & { error?: string }} progress */
+  take(progress) {
+    if (progress.error) {
+      byId("tune-told").textContent = progress.error;
+      return;
+    }
+    this.flowers.push(...progress.asked);
+    this.response = progress.response ?? this.response;
+    const seconds = (performance.now() - this.begun) / 1000;
+    const cost = progress.cost === null ? "none flies yet" : `ISE ${progress.cost.toFixed(6)}`;
+    byId("tune-told").textContent =
+      `${progress.evaluations} of ${progress.budget} evaluations, ${cost}, ${seconds.toFixed(1)} s`;
+    const best = progress.best ?? [];
+    byId("tune-best").textContent = best.map((gain, k) => `${this.about.gains[k]} ${gain.toFixed(3)}`).join(", ");
+    if (progress.gains_toml) {
+      this.found = progress.gains_toml;
+      byId("tune-told").dataset.gains = progress.gains_toml;
+      for (const id of ["tune-use", "tune-save"]) button(id).disabled = false;
+    }
+    this.gains("tune-pitch", 0, best);
+    this.gains("tune-yaw", 2, best);
+    this.curve();
+  }
+
+  /** Flowers of one axis: its two gains across and up. @param {string} id @param {number} first @param {number[]} best */
+  gains(id, first, best) {
+    const draw = canvas(id);
+    if (!draw) return;
+    const { context, width, height } = draw;
+    const [low, high] = this.about.bounds;
+    const x = (/** @type {number} */ gain) => 6 + ((gain - low) / (high - low)) * (width - 12);
+    const y = (/** @type {number} */ gain) => height - 6 - ((gain - low) / (high - low)) * (height - 12);
+    const dot = (/** @type {number[]} */ at, /** @type {number} */ radius) => {
+      context.beginPath();
+      context.arc(x(at[first]), y(at[first + 1]), radius, 0, 2 * Math.PI);
+      context.fill();
+    };
+    context.fillStyle = colour("text");
+    context.globalAlpha = 0.16;
+    for (const flower of this.flowers.slice(-1200)) dot(flower, 1.6);
+    context.globalAlpha = 1;
+    context.fillStyle = colour("pitch");
+    for (const flower of this.flowers.slice(-50)) dot(flower, 2.2);
+    context.fillStyle = colour("stop");
+    if (best.length > 0) dot(best, 5);
+  }
+
+  curve() {
+    const draw = canvas("tune-response");
+    if (!draw || !this.response) return;
+    const { context, width, height } = draw;
+    const { time, pitch, yaw } = this.response;
+    const most = Math.max(...pitch, ...yaw, 1);
+    const line = (/** @type {number[]} */ angles, /** @type {string} */ tint, /** @type {number[]} */ dash) => {
+      context.strokeStyle = colour(tint);
+      context.lineWidth = 1.8;
+      context.setLineDash(dash);
+      context.beginPath();
+      angles.forEach((angle, k) => {
+        context.lineTo((time[k] / SECONDS) * width, height - 4 - (angle / most) * (height - 8));
+      });
+      context.stroke();
+    };
+    line(pitch, "pitch", []);
+    line(yaw, "yaw", [7, 4]);
+  }
+}
+
+/** An empty canvas, as sharp as the screen. @param {string} id */
+function canvas(id) {
+  const element = /** @type {HTMLCanvasElement} */ (byId(id));
+  const [width, height] = [element.clientWidth, element.clientHeight];
+  const scale = Math.min(devicePixelRatio, 2);
+  [element.width, element.height] = [width * scale, height * scale];
+  const context = element.getContext("2d");
+  if (!context) return undefined;
+  context.scale(scale, scale);
+  return { context, width, height };
+}

@@ -1,0 +1,424 @@
+//! An operator's place: a simulated board with its rig, the client that speaks to it, and what of its
+//! telemetry is drawn. Time is the board's: it passes when the page lets it.
+
+pub mod faults;
+pub mod flying;
+pub mod samples;
+pub mod status;
+pub mod tuning;
+
+use faults::{Fault, Present};
+use flying::{Flights, Flying, Wish};
+use serde::Deserialize;
+use status::Journal;
+use std::time::Duration;
+use tuning::Tuning;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::controller::ControllerSettings;
+use twinrotor::defaults;
+use twinrotor::first_power::Verdict;
+use twinrotor::link::{BAUD, Identity, Nonce, ToBoard, ToHost, ticks_per_frame};
+use twinrotor::parameters::ram_flash::RamFlash;
+use twinrotor::parameters::store::{SLOT_SIZE, Store};
+use twinrotor::parameters::{self, Parameters};
+use twinrotor::plant::presets::{self, Rig};
+use twinrotor::real::Real;
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{ArmState, Condition, Request};
+use twinrotor::telemetry::{Frame, TrialPhase};
+use twinrotor::trial::Attempt;
+use twinrotor_sim::error::known_name;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, Outcome};
+use twinrotor_station::client::{Answer, Client, Event, Question};
+use twinrotor_station::{SimulatedBoard, words};
+use twinrotor_tune::design::CATALOGUE;
+
+/// \[V\] Most that a disturbance may add to the volts in effect at a rotor.
+pub const MOST_DISTURBANCE: f32 = 12.0;
+/// \[ticks\] From one wish for a zero to the next, and for how long at most: a rig swings for a while.
+const ZERO_EVERY: u64 = 1_000;
+const LONGEST_REST: u64 = 60_000;
+/// \[ticks\] How often a hand stops a rig that swings on the ground: an Aero 2 swings on for two minutes.
+const STEADY_EVERY: u64 = 500;
+/// The preset's own controller.
+pub const OWN: &str = "own";
+
+/// Which rig, and with what it begins.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Choice {
+    preset: String,
+    controller: String,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self { preset: "aero2".to_owned(), controller: OWN.to_owned() }
+    }
+}
+
+/// An operator with a board.
+pub struct Desk {
+    preset: String,
+    rig: Rig,
+    board: SimulatedBoard,
+    /// \[V\] Of the amplifiers, as it should be.
+    supply: f32,
+    client: Client,
+    ticks: u64,
+    parameters: Parameters,
+    identity: Option<Identity>,
+    frame: Option<Frame>,
+    /// \[ticks\] When the board was heard last.
+    heard: u64,
+    faults: Present,
+    /// \[V\] Of the wind, and of a hand at the rig.
+    disturbance: PerMotor<f32>,
+    push: PerMotor<f32>,
+    gusts: Vec<PerMotor<f32>>,
+    /// A hand steadies the rig while its motors get nothing.
+    steadied: bool,
+    /// Since when a zero is wanted.
+    zeroing: Option<u64>,
+    flying: Option<Flying>,
+    flights: Flights,
+    tuning: Tuning,
+    journal: Journal,
+    samples: Vec<f32>,
+}
+
+/// The controller of this name for a rig.
+///
+/// # Errors
+///
+/// If there is none.
+pub fn controller(preset: &str, rig: &Rig, name: &str) -> Outcome<ControllerSettings<f64>> {
+    if name == OWN {
+        return defaults::named(preset)
+            .ok_or_else(|| Error::invalid("preset", preset, "one with gains of its own"));
+    }
+    Ok(known_name("controller", name, &CATALOGUE)?(rig))
+}
+
+impl Desk {
+    /// A rig at rest, and a board that holds its parameters and whose wiring has not been checked.
+    ///
+    /// # Errors
+    ///
+    /// If there is no rig or controller of that name, or no board could fly it.
+    pub fn new(choice: &Choice) -> Outcome<Self> {
+        let rig = *known_name("preset", &choice.preset, &presets::ALL)?;
+        let controller = controller(&choice.preset, &rig, &choice.controller)?;
+        let settings = GainsFile { controller, provenance: None }.settings(&rig);
+        let parameters = Parameters::new(&rig, &settings);
+        let unusable = |error: twinrotor::parameters::ParameterError| Error::Unusable(error.to_string());
+        parameters.validate().map_err(unusable)?;
+        let mut store = Store::new(RamFlash::default(), 0);
+        parameters::save(&mut store, &parameters, &mut [0; SLOT_SIZE]).map_err(unusable)?;
+        let board = SimulatedBoard::new(&rig, parameters, store.into_flash());
+        let mut client = Client::new();
+        client.resynchronise();
+        client.ask(Question::Identify, Duration::ZERO);
+        client.send(&ToBoard::Telemetry { every: ticks_per_frame(BAUD) });
+        Ok(Self {
+            preset: choice.preset.clone(),
+            rig,
+            supply: board.rig.bench.supply,
+            board,
+            client,
+            ticks: 0,
+            parameters,
+            identity: None,
+            frame: None,
+            heard: 0,
+            faults: Present::default(),
+            disturbance: PerMotor::zero(),
+            push: PerMotor::zero(),
+            gusts: Vec::new(),
+            steadied: true,
+            zeroing: None,
+            flying: None,
+            flights: Flights::default(),
+            tuning: Tuning::new(&choice.controller, controller),
+            journal: Journal::default(),
+            samples: Vec::new(),
+        })
+    }
+
+    fn now(&self) -> Duration {
+        Duration::from_millis(self.ticks)
+    }
+
+    /// Lets so many ticks pass. Gives how many rows [`Desk::samples`] has for them.
+    pub fn advance(&mut self, ticks: u32) -> usize {
+        self.samples.clear();
+        for _ in 0..ticks {
+            self.tick();
+        }
+        self.samples.len() / samples::COLUMNS
+    }
+
+    /// The rows of the last [`Desk::advance`].
+    #[must_use]
+    pub fn samples(&self) -> &[f32] {
+        &self.samples
+    }
+
+    fn tick(&mut self) {
+        let now = self.now();
+        if let Some(Event::Answered(Err(error))) = self.client.poll(now) {
+            self.journal.trouble(self.ticks, error.to_string());
+        }
+        self.zero_again();
+        let said = self.client.take_outgoing();
+        let connected = !self.faults.has(Fault::LinkLost);
+        if connected {
+            self.board.push(&said);
+        }
+        let gust = usize::try_from(self.ticks).unwrap_or(0).checked_rem(self.gusts.len());
+        let gust = gust.map_or(PerMotor::zero(), |now| self.gusts[now]);
+        let all = self.disturbance.plus(gust).plus(self.push);
+        self.board.rig.bench.disturbance = all.map(|volts| volts.clamp(-MOST_DISTURBANCE, MOST_DISTURBANCE));
+        let idle = |frame: Frame| frame.state != ArmState::Armed && frame.volts == PerMotor::zero();
+        if self.steadied && self.ticks.is_multiple_of(STEADY_EVERY) && idle(self.board.frame()) {
+            self.board.rig.bench.steady();
+        }
+        self.board.tick();
+        self.ticks += 1;
+        let came = self.board.take_outgoing();
+        if connected {
+            for event in self.client.push(&came, now) {
+                self.take(event);
+            }
+        }
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Message(ToHost::Frame(frame)) => self.hear(frame),
+            Event::Message(ToHost::Verdict(verdict)) => self.checked(&verdict),
+            Event::Message(ToHost::Refused(refusal)) => {
+                self.journal.trouble(self.ticks, words::refusal(&refusal));
+            }
+            Event::Message(_) | Event::Damaged => {}
+            Event::Answered(Ok(Answer::Identity(identity))) => {
+                self.journal.note(self.ticks, format!("connected: firmware {}", identity.firmware));
+                self.identity = Some(identity);
+            }
+            Event::Answered(Ok(Answer::Parameters(kept))) => {
+                self.parameters = *kept;
+                if self.tuning.saved != self.tuning.accepted {
+                    self.tuning.saved = self.tuning.accepted;
+                    self.journal.note(self.ticks, "saved: the board boots with this controller from now on");
+                }
+            }
+            Event::Answered(Ok(Answer::Replayed(_))) => {}
+            Event::Answered(Err(error)) => self.journal.trouble(self.ticks, error.to_string()),
+        }
+    }
+
+    fn checked(&mut self, verdict: &Verdict) {
+        let told = format!("first-power check: {}", words::verdict(verdict));
+        if *verdict == Verdict::Passed {
+            self.journal.note(self.ticks, told);
+        } else {
+            self.journal.trouble(self.ticks, told);
+        }
+    }
+
+    fn hear(&mut self, frame: Frame) {
+        let before = self.frame.replace(frame);
+        self.heard = self.ticks;
+        if frame.tick.is_multiple_of(samples::EVERY) {
+            self.samples.extend(samples::row(&frame, self.board.rig.bench.rotor_volts()));
+        }
+        if let Some(before) = before {
+            self.compare(&before, &frame);
+        }
+        self.fly_on(&frame);
+    }
+
+    /// What has changed since the frame before, in words.
+    fn compare(&mut self, before: &Frame, now: &Frame) {
+        if before.state != now.state {
+            match now.state {
+                ArmState::Fault(cause) => {
+                    self.journal.trouble(self.ticks, format!("motors off: {}", words::condition(cause)));
+                }
+                state => self.journal.note(self.ticks, status::state(state)),
+            }
+        }
+        let (was, is) = (before.controller.trial, now.controller.trial);
+        if was != is && now.state == ArmState::Armed {
+            if (was, is) == (TrialPhase::Flying, TrialPhase::None) {
+                self.tuning.accept();
+            }
+            self.journal.note(self.ticks, status::trial(was, is));
+        }
+    }
+
+    /// The scenario under way, by a frame.
+    fn fly_on(&mut self, frame: &Frame) {
+        if self.flying.is_none() {
+            return;
+        }
+        if frame.state != ArmState::Armed {
+            self.flying = None;
+            self.journal.trouble(self.ticks, "the flight was broken off: the motors are off");
+            return;
+        }
+        let Some(flying) = &mut self.flying else { return };
+        match flying.hear(frame) {
+            Wish::Nothing => {}
+            Wish::Say(setpoint) => {
+                let sequence = self.client.send(&ToBoard::Setpoint(setpoint)).unwrap_or_default();
+                flying.said(sequence, frame.tick.wrapping_add(1));
+            }
+            Wish::End => {
+                if let Some(flying) = self.flying.take() {
+                    self.flights.note(flying, &self.rig);
+                    self.journal.note(self.ticks, "flown to its end; back to level");
+                }
+                self.client.aim(PerAxis::zero());
+            }
+        }
+    }
+
+    /// The operator wants something of the supervisor.
+    pub fn request(&mut self, request: Request) {
+        if request == Request::Arm {
+            self.client.aim(PerAxis::zero());
+        }
+        if request == Request::Disarm {
+            (self.flying, self.zeroing) = (None, None);
+        }
+        self.client.request(request);
+    }
+
+    /// To take where the rig lies for its rest pose, as soon as it lies still.
+    pub fn zero(&mut self) {
+        self.client.send(&ToBoard::Zero);
+        self.zeroing = Some(self.ticks);
+    }
+
+    /// A board takes no zero while the rig moves: it is asked again.
+    fn zero_again(&mut self) {
+        let Some(begun) = self.zeroing else { return };
+        let wanted = self.frame.is_some_and(|frame| frame.conditions.contains(Condition::NotZeroed));
+        match self.ticks - begun {
+            waited if wanted && waited >= LONGEST_REST => {
+                self.zeroing = None;
+                self.journal.trouble(self.ticks, "not zeroed: the rig does not come to rest");
+            }
+            waited if wanted && waited % ZERO_EVERY == ZERO_EVERY - 1 => {
+                self.client.send(&ToBoard::Zero);
+            }
+            waited if !wanted && waited >= ZERO_EVERY => self.zeroing = None,
+            _ => {}
+        }
+    }
+
+    /// To be there \[rad\]. Ends a scenario.
+    pub fn aim(&mut self, angle: PerAxis<f32>) {
+        self.flying = None;
+        self.client.aim(angle);
+    }
+
+    /// To fly a scenario, from level.
+    ///
+    /// # Errors
+    ///
+    /// If the board is not armed, or would refuse one of its setpoints.
+    pub fn fly(&mut self, scenario: Scenario) -> Outcome<()> {
+        let frame = self.frame.filter(|frame| frame.state == ArmState::Armed);
+        let frame =
+            frame.ok_or_else(|| Error::Unusable("a scenario is flown armed: arm first".to_owned()))?;
+        let limits = &self.parameters.limits;
+        let outside = |reference: &Reference<f32>| twinrotor::conversation::goal::outside(limits, reference);
+        if let Some(refusal) = scenario.references().iter().find_map(outside) {
+            return Err(Error::Unusable(words::refusal(&refusal)));
+        }
+        self.gusts = scenario.disturbance.map_or_else(Vec::new, |_| scenario.disturbances(1));
+        self.client.send(&ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
+        let label = self.tuning.label(frame.controller.trial != TrialPhase::None);
+        self.flying = Some(Flying::new(scenario, label, frame.tick));
+        Ok(())
+    }
+
+    /// Wind: steady \[V\] at each motor, and with or without gusts.
+    ///
+    /// # Errors
+    ///
+    /// Never: scenario 3 is there.
+    pub fn disturb(&mut self, steady: PerMotor<f32>, gusts: bool) -> Outcome<()> {
+        self.disturbance = steady;
+        self.gusts = if gusts { Scenario::named("3")?.disturbances(1) } else { Vec::new() };
+        Ok(())
+    }
+
+    /// A hand at the rig, as volts at each motor; zero lets it go.
+    pub fn push(&mut self, push: PerMotor<f32>) {
+        self.push = push;
+    }
+
+    /// Whether a hand steadies the rig on the ground.
+    pub fn steady(&mut self, steadied: bool) {
+        self.steadied = steadied;
+    }
+
+    /// A fault comes or goes.
+    ///
+    /// # Errors
+    ///
+    /// If there is none of that name.
+    pub fn fault(&mut self, name: &str, present: bool) -> Outcome<()> {
+        let words = self.faults.set(name, present)?;
+        self.faults.apply(&mut self.board, &self.rig, self.supply);
+        self.journal.note(self.ticks, if present { words.to_owned() } else { format!("mended: {words}") });
+        Ok(())
+    }
+
+    /// The draft is tried in flight.
+    pub fn try_draft(&mut self) {
+        self.tuning.try_draft();
+        let attempt = Attempt::new(self.tuning.draft.map(f32::from_f64));
+        self.client.send(&ToBoard::Trial(Nonce::default(), attempt));
+    }
+
+    /// What is tried is kept, or taken back.
+    pub fn judge(&mut self, keep: bool) {
+        self.client.send(&if keep { ToBoard::Accept(Nonce::default()) } else { ToBoard::Revert });
+    }
+
+    /// The accepted controller to flash.
+    pub fn save(&mut self) {
+        self.client.ask(Question::Save, self.now());
+    }
+
+    /// What was flown.
+    #[must_use]
+    pub const fn flights(&self) -> &Flights {
+        &self.flights
+    }
+
+    /// The controllers.
+    pub fn tuning(&mut self) -> &mut Tuning {
+        &mut self.tuning
+    }
+
+    /// The draft becomes the controller of this name.
+    ///
+    /// # Errors
+    ///
+    /// If there is none.
+    pub fn draw(&mut self, name: &str) -> Outcome<()> {
+        let drawn = controller(&self.preset, &self.rig, name)?;
+        self.tuning.draw(name, drawn);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,186 @@
+//! What a page can ask, and how it is answered.
+
+use crate::desk::{Choice, Desk, OWN};
+use crate::page::Page;
+use crate::same_bits;
+use crate::tuner::Tuner;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::plant::presets;
+use twinrotor::supervisor;
+use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, Outcome};
+use twinrotor_tune::design::CATALOGUE;
+
+/// The paper's scenarios by name.
+const SCENARIOS: [&str; 5] = ["step", "1", "2", "3", "3-square"];
+
+/// A question or a wish.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[expect(missing_docs, reason = "each is what the desk has under the same name")]
+pub enum Request {
+    /// What there is to choose from.
+    About,
+    /// A desk anew.
+    Begin(Choice),
+    /// Where it stands; what happened is told once.
+    Status,
+    Supervisor(Wanted),
+    Zero,
+    /// \[deg\]
+    Aim {
+        pitch_deg: f32,
+        yaw_deg: f32,
+    },
+    Fly {
+        scenario: String,
+    },
+    /// \[V\]
+    Disturb {
+        main: f32,
+        tail: f32,
+        gusts: bool,
+    },
+    /// \[V\]
+    Push {
+        main: f32,
+        tail: f32,
+    },
+    /// Whether a hand steadies the rig on the ground.
+    Steady(bool),
+    Fault {
+        name: String,
+        present: bool,
+    },
+    /// The settings, as rows.
+    Settings,
+    Set {
+        name: String,
+        value: f64,
+    },
+    Draw {
+        controller: String,
+    },
+    /// 0 is the accepted one.
+    Recall {
+        number: usize,
+    },
+    /// A gains file becomes the draft.
+    Load {
+        gains_toml: String,
+    },
+    /// The draft as a gains file.
+    Export,
+    Try,
+    Accept,
+    Revert,
+    Save,
+    /// The last flights with their curves.
+    Flights,
+    /// A search begins.
+    Tune {
+        preset: String,
+        seed: u64,
+    },
+    /// It goes on by one exchange.
+    TuneOn,
+    /// The hash of a long flight.
+    Fingerprint {
+        preset: String,
+        scenario: String,
+        ticks: u32,
+    },
+}
+
+/// Of the supervisor.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "as the core has them")]
+pub enum Wanted {
+    Check,
+    Arm,
+    Disarm,
+    ClearFault,
+}
+
+/// Answers a question: `{"ok": ...}` or `{"error": "why"}`.
+pub fn answer(page: &mut Page, question: &[u8]) -> Vec<u8> {
+    let request = serde_json::from_slice(question).map_err(|error| Error::Unusable(error.to_string()));
+    let answer = match request.and_then(|request| answer_to(page, request)) {
+        Ok(value) => json!({ "ok": value }),
+        Err(error) => json!({ "error": error.to_string() }),
+    };
+    answer.to_string().into_bytes()
+}
+
+fn answer_to(page: &mut Page, request: Request) -> Outcome<Value> {
+    let desk = &mut page.desk;
+    match request {
+        Request::About => return Ok(about()),
+        Request::Begin(choice) => *desk = Desk::new(&choice)?,
+        Request::Status => return told(&desk.status()),
+        Request::Supervisor(wanted) => desk.request(match wanted {
+            Wanted::Check => supervisor::Request::Check,
+            Wanted::Arm => supervisor::Request::Arm,
+            Wanted::Disarm => supervisor::Request::Disarm,
+            Wanted::ClearFault => supervisor::Request::ClearFault,
+        }),
+        Request::Zero => desk.zero(),
+        Request::Aim { pitch_deg, yaw_deg } => {
+            desk.aim(PerAxis::new(pitch_deg, yaw_deg).map(f32::to_radians));
+        }
+        Request::Fly { scenario } => desk.fly(Scenario::named(&scenario)?)?,
+        Request::Disturb { main, tail, gusts } => desk.disturb(PerMotor::new(main, tail), gusts)?,
+        Request::Push { main, tail } => desk.push(PerMotor::new(main, tail)),
+        Request::Steady(steadied) => desk.steady(steadied),
+        Request::Fault { name, present } => desk.fault(&name, present)?,
+        Request::Settings => return told(&desk.tuning().document()),
+        Request::Set { name, value } => desk.tuning().set(&name, value)?,
+        Request::Draw { controller } => desk.draw(&controller)?,
+        Request::Recall { number } => desk.tuning().recall(number)?,
+        Request::Load { gains_toml } => {
+            let file = GainsFile::parse("gains", &gains_toml)?;
+            desk.tuning().draw("a gains file", file.controller);
+        }
+        Request::Export => return told(&desk.tuning().to_toml()),
+        Request::Try => desk.try_draft(),
+        Request::Accept => desk.judge(true),
+        Request::Revert => desk.judge(false),
+        Request::Save => desk.save(),
+        Request::Flights => return told(desk.flights().kept()),
+        Request::Tune { preset, seed } => page.tuner = Some(Tuner::new(&preset, seed)?),
+        Request::TuneOn => {
+            let tuner =
+                page.tuner.as_mut().ok_or_else(|| Error::Unusable("no search has begun".to_owned()))?;
+            return told(&tuner.go_on());
+        }
+        Request::Fingerprint { preset, scenario, ticks } => {
+            let hash = same_bits::fingerprint(&preset, &scenario, ticks)?;
+            return Ok(json!(format!("{hash:016x}")));
+        }
+    }
+    Ok(Value::Null)
+}
+
+fn told(what: &impl serde::Serialize) -> Outcome<Value> {
+    serde_json::to_value(what).map_err(|error| Error::Failed(error.to_string()))
+}
+
+fn about() -> Value {
+    let controllers: Vec<&str> =
+        std::iter::once(OWN).chain(CATALOGUE.iter().map(|(name, _)| *name)).collect();
+    let (columns, every) = Desk::columns();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "presets": presets::ALL.map(|(name, _)| name),
+        "controllers": controllers,
+        "scenarios": SCENARIOS,
+        "columns": columns,
+        "ticks_per_row": every,
+        "gains": twinrotor::gains::NAMES,
+        "bounds": twinrotor::gains::PAPER_BOUNDS,
+    })
+}
