@@ -171,8 +171,15 @@ fn flown(rig: &Rig, gains: &GainsFile, toml: &str) -> Option<Run> {
     let scenario = Scenario::parse("suggestion", toml).ok()?;
     let settings = gains.settings(rig);
     let initial = rig.rest_angle;
-    let plan =
-        Plan { rig, truth: rig, settings: &settings, scenario: &scenario, initial, fidelity: Fidelity::Rig, seed: 1 };
+    let plan = Plan {
+        rig,
+        truth: rig,
+        settings: &settings,
+        scenario: &scenario,
+        initial,
+        fidelity: Fidelity::Rig,
+        seed: 1,
+    };
     let rows = fly(&plan, Scalar::F64).ok()?.rows;
     if rows
         .iter()

@@ -180,7 +180,15 @@ mod tests {
         let scenario = Scenario::named("step").unwrap();
         let initial = PerAxis::both(0.0);
         let fidelity = Fidelity::Ideal;
-        let plan = Plan { rig: &PAPER, truth: &PAPER, settings: &settings, scenario: &scenario, initial, fidelity, seed: 1 };
+        let plan = Plan {
+            rig: &PAPER,
+            truth: &PAPER,
+            settings: &settings,
+            scenario: &scenario,
+            initial,
+            fidelity,
+            seed: 1,
+        };
         let rows = flight::fly(&plan, Scalar::F32).unwrap().rows;
         let drawn = moving("a < b\u{1} & c", &rows);
         assert!(drawn.contains("a &lt; b\u{fffd} &amp; c") && drawn.ends_with("</svg>\n"));

@@ -43,7 +43,14 @@ pub fn flown(frames: &[Frame], begin: u32, rig: &Rig, scenario: &Scenario) -> Fl
             left_envelope = Some(Moment::of(tick));
         }
         let time = f64::from(tick) * SAMPLE_TIME;
-        rows.push(Row { time, state, reference, volts, disturbance: PerMotor::zero(), load: PerAxis::zero() });
+        rows.push(Row {
+            time,
+            state,
+            reference,
+            volts,
+            disturbance: PerMotor::zero(),
+            load: PerAxis::zero(),
+        });
     }
     Flight { rows, report: metrics.report(0, SAMPLE_TIME), board: None, left_envelope }
 }

@@ -36,6 +36,22 @@ pub struct Lowered {
 }
 
 impl Now {
+    /// Nothing.
+    pub fn nothing() -> Self {
+        Self {
+            volts: PerMotor::zero(),
+            torque: PerAxis::zero(),
+            noise: PerAxis::zero(),
+            supply: None,
+            change: None,
+        }
+    }
+
+    /// Pushes it and feeds its amplifiers as `other` does?
+    pub fn is_as(&self, other: &Self) -> bool {
+        (self.volts, self.torque, self.supply) == (other.volts, other.torque, other.supply)
+    }
+
     /// \[V\] What a supply of `sound` has become.
     pub fn supply<R: Real>(&self, sound: R) -> R {
         self.supply

@@ -35,8 +35,8 @@ impl Start {
         pair("start.rate_deg", self.rate_deg, [-500.0, 500.0], "degrees a second")?;
         pair("start.rotor_volts", self.rotor_volts, [-60.0, 60.0], "V")?;
         if self.hot && (self.rate_deg != [0.0; 2] || self.rotor_volts != [0.0; 2]) {
-            let allowed = "false beside start.rate_deg or start.rotor_volts: who has flown to where it begins \
-                           hovers there";
+            let allowed = "false beside start.rate_deg or start.rotor_volts: who has flown to where it \
+                           begins hovers there";
             return Err(Error::invalid("start.hot", true, allowed));
         }
         Ok(())
