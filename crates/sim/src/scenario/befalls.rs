@@ -1,5 +1,6 @@
 //! A scenario's disturbances and events, tick by tick, the same for whoever flies it.
 
+use super::ranges::are_zero;
 use super::{SAMPLE_TIME, Scenario};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -114,7 +115,7 @@ impl Scenario {
     /// Does anything befall the rig beside volts at its motors?
     pub fn is_more_than_volts(&self) -> bool {
         let events = &self.events;
-        let turns = |torque: [f64; 2]| torque != [0.0; 2];
+        let turns = |torque: [f64; 2]| !are_zero(torque);
         let pushes = [&events.step, &events.ramp, &events.gust];
         let pushed = pushes.iter().any(|pushes| pushes.iter().any(|push| turns(push.torque)));
         pushed
