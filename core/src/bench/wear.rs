@@ -30,10 +30,9 @@ pub struct Worn<R> {
     taken_along: PerAxis<R>,
     dead_zone: PerMotor<R>,
     limit: PerMotor<R>,
-    /// What is on its way, a ring.
+    /// What is on its way, the newest first.
     late: [PerMotor<R>; LONGEST_DELAY as usize + 1],
     delay: usize,
-    now: usize,
     /// \[counts\]
     noise: PerAxis<R>,
     noisy: bool,
@@ -51,7 +50,6 @@ impl<R: Real> Worn<R> {
             limit: wear.limit.unwrap_or(far).cast(),
             late: [PerMotor::zero(); LONGEST_DELAY as usize + 1],
             delay: wear.delay.min(LONGEST_DELAY) as usize,
-            now: 0,
             noise: PerAxis::zero(),
             noisy: false,
         }
@@ -87,10 +85,12 @@ impl<R: Real> Worn<R> {
         if !self.any {
             return volts;
         }
-        let ring = self.late.len();
-        self.late[self.now] = volts.zip(self.limit, |v, most| v.max(-most).min(most));
-        let late = self.late[(self.now + ring - self.delay) % ring];
-        self.now = (self.now + 1) % ring;
+        let given = volts.zip(self.limit, |v, most| v.max(-most).min(most));
+        self.late.rotate_right(1);
+        if let Some(newest) = self.late.first_mut() {
+            *newest = given;
+        }
+        let late = self.late.get(self.delay).copied().unwrap_or(given);
         late.zip(self.dead_zone, |v, dead| {
             let left = (v.abs() - dead).max(R::zero());
             R::select(v.lt(R::zero()), -left, left)

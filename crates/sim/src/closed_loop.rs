@@ -51,8 +51,8 @@ pub trait ClosedLoop<R: Real> {
     /// One tick with `disturbance` \[V\] added to the volts in effect.
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R>;
 
-    /// What befalls the rig from the next tick on, beside the volts that every tick is told. The paper's world
-    /// has neither counts nor a supply.
+    /// What befalls the rig from the next tick on, beside the volts that every tick is told. The paper's
+    /// world has neither counts nor a supply.
     fn befall(&mut self, now: &Now);
 
     /// The plant becomes that of these constants; its pose, its rates and what its rotors do stay.

@@ -91,7 +91,7 @@ fn truth_and_belief_are_two() {
     let error = json["yaw"]["final_error_deg"].as_f64().unwrap();
     assert!((error - 20.0).abs() < 0.3, "{error}");
     assert_eq!(json["true_rig"], "truth.toml");
-    assert_eq!(json["envelope"]["allowed_pitch_deg"].as_f64().unwrap(), 0.01_f64.to_degrees());
+    assert_eq!(json["envelope"]["allowed_pitch_deg"], Value::from(0.01_f64.to_degrees()));
     assert_eq!(out.status.code(), Some(if json["left_envelope"].is_null() { 0 } else { 3 }));
 
     let slow = hover(folder.path(), "", &["--fidelity", "rig", "--json", "--true-lag", "0.8"]);

@@ -1,14 +1,15 @@
 //! A scenario flown on the board by an operator's hand, and what the board's telemetry said of it.
 
-use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::axes::PerAxis;
 use twinrotor::first_power::REST_TICKS;
 use twinrotor::link::ToBoard;
 use twinrotor::plant::presets::Rig;
+use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
 use twinrotor_sim::flight::Flight;
-use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::scenario::{Now, Scenario};
 use twinrotor_station::flown::flown;
 
 use crate::helicopter::Helicopter;
@@ -77,7 +78,7 @@ fn wait(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame))
 }
 
 /// Flies a scenario on a board that hovers level. Its telemetry becomes the flight: what the board believed,
-/// not what the simulated rig knew.
+/// not what the simulated rig knew. What befalls the rig does so every [`SETPOINT_EVERY`] ms.
 ///
 /// # Errors
 ///
@@ -90,29 +91,31 @@ pub fn fly(
     told: &mut impl FnMut(&Frame),
 ) -> Result<Flight, Failure> {
     let references = scenario.references::<f32>();
-    let disturbances = scenario.disturbances::<f32>(seed);
+    let befalls: Vec<Now> = scenario.befalls(seed).take(references.len()).collect();
     // Of the flight every tick is wanted; what came before may have taken minutes.
     station.send(&ToBoard::Telemetry { every: 1 });
     wait(station, TO_FULL_RATE, told)?;
     let first = station.heard.frames.len();
-    let mut blown = PerMotor::zero();
+    let mut befallen = Now::nothing();
     let mut sent = Reference::at_rest(PerAxis::both(0.0));
     let mut left = 0;
-    for (references, disturbances) in
-        references.chunks(SETPOINT_EVERY).zip(disturbances.chunks(SETPOINT_EVERY))
-    {
-        let (reference, disturbance) = (references[0], disturbances[0]);
+    for (references, befalls) in references.chunks(SETPOINT_EVERY).zip(befalls.chunks(SETPOINT_EVERY)) {
+        let (reference, now) = (references[0], &befalls[0]);
+        let change = befalls.iter().rev().find_map(|now| now.change.clone());
+        let befalls_more = change.is_some() || !now.is_as(&befallen);
         // Nothing is looked at or touched more often than it must be: that stops the emulator.
-        if reference != sent || disturbance != blown || left >= LOOK_EVERY {
+        if reference != sent || befalls_more || left >= LOOK_EVERY {
             stay(station, std::mem::take(&mut left), told)?;
         }
         if reference != sent {
             station.send(&ToBoard::Setpoint(reference));
             sent = reference;
         }
-        if disturbance != blown {
-            station.machine.rig(move |helicopter: &mut Helicopter| helicopter.disturb(disturbance));
-            blown = disturbance;
+        if befalls_more {
+            befallen = now.clone();
+            let now = now.clone();
+            let plant = change.map(|change| change.of(&rig.plant).map(f32::from_f64));
+            station.machine.rig(move |helicopter: &mut Helicopter| helicopter.befall(&now, plant.as_ref()));
         }
         left += references.len() as u64;
     }

@@ -4,8 +4,9 @@
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Bench, Faults};
-use twinrotor::plant::{State, presets};
+use twinrotor::plant::{PlantParameters, State, presets};
 use twinrotor::real::Real;
+use twinrotor_sim::scenario::Now;
 
 use crate::board::{Inputs, Outputs};
 use crate::machine::Rig;
@@ -19,6 +20,8 @@ const ADC_REFERENCE: f32 = 3.3;
 #[derive(Debug, Clone)]
 pub struct Helicopter {
     bench: Bench<f32>,
+    /// \[V\] The supply as it was set.
+    sound_supply: f64,
     inputs: Inputs,
     full_steps: f32,
 }
@@ -29,6 +32,7 @@ impl Helicopter {
     pub fn new(rig: &presets::Rig, supply: f64) -> Self {
         let mut helicopter = Self {
             bench: Bench::at_rest(rig, SAMPLE_TIME),
+            sound_supply: supply,
             inputs: Inputs::default(),
             full_steps: f32::from_i32(rig.pwm_steps.cast_signed()),
         };
@@ -42,13 +46,23 @@ impl Helicopter {
         &mut self.bench.faults
     }
 
-    /// \[V\] What is added to the volts in effect.
-    pub fn disturb(&mut self, disturbance: PerMotor<f32>) {
-        self.bench.disturbance = disturbance;
+    /// What befalls it in a tick of a scenario, and what its plant becomes, if it becomes another.
+    pub fn befall(&mut self, now: &Now, plant: Option<&PlantParameters<f32>>) {
+        self.bench.disturbance = now.volts.cast();
+        self.bench.set_load(now.torque.cast());
+        self.show_supply(now.supply(self.sound_supply));
+        if let Some(plant) = plant {
+            self.bench.become_plant(plant);
+        }
     }
 
     /// Sets the supply \[V\].
     pub fn set_supply(&mut self, supply: f64) {
+        self.sound_supply = supply;
+        self.show_supply(supply);
+    }
+
+    fn show_supply(&mut self, supply: f64) {
         self.inputs.supply = supply;
         self.bench.supply = measured(supply);
     }

@@ -26,8 +26,8 @@ impl Extent {
             None => "kept".to_owned(),
         };
         format!(
-            "envelope: {verdict}; pitch up to {:.1} of {:.0}°, rates up to {:.0} and {:.0} of {:.0} and {:.0} \
-             °/s\n",
+            "envelope: {verdict}; pitch up to {:.1} of {:.0}°, rates up to {:.0} and {:.0} of {:.0} and \
+             {:.0} °/s\n",
             self.pitch_deg,
             self.allowed_pitch_deg,
             self.rate_deg.pitch,

@@ -45,8 +45,8 @@ pub enum Scalar {
 pub struct Plan<'a> {
     /// The machine as the controller knows it.
     pub rig: &'a Rig,
-    /// The machine that is flown: plant, encoders, supply, limits, envelope. `rig`, unless truth and belief are
-    /// two.
+    /// The machine that is flown: plant, encoders, supply, limits, envelope. `rig`, unless truth and belief
+    /// are two.
     pub truth: &'a Rig,
     /// The controller.
     pub settings: &'a Settings<f64>,

@@ -28,9 +28,9 @@ fn last(flight: &Flight) -> State<f64> {
 const MISERY: &str = "[hardware]\nnoise_counts = [1, 1]\nbacklash_deg = [0.3, 0.2]\ndead_zone = [0.2, 0.1]\n\
                       delay = 0.004\n[start]\nangle_deg = [2, -3]\nrate_deg = [5, -8]\nrotor_volts = [3, 1]\n\
                       [[events.gust]]\nvolts = [1.5, -1]\nwindow = [1, 3]\n[[events.sine]]\n\
-                      torque = [0.001, 0.0005]\nfrequency = 4\nwindow = [2, 5]\n[[events.weight]]\nmass = 0.001\n\
-                      arm = 0.15\nwindow = [3, 6]\n[[events.thrust]]\nleft = [0.95, 0.9]\nwindow = [4, 7]\n\
-                      [[events.supply]]\nvolts = 12\nfall = 0.5\nwindow = [1, 8]\n";
+                      torque = [0.001, 0.0005]\nfrequency = 4\nwindow = [2, 5]\n[[events.weight]]\n\
+                      mass = 0.001\narm = 0.15\nwindow = [3, 6]\n[[events.thrust]]\nleft = [0.95, 0.9]\n\
+                      window = [4, 7]\n[[events.supply]]\nvolts = 12\nfall = 0.5\nwindow = [1, 8]\n";
 
 /// Whatever befalls it: lanes fly, to the bit, what the board flies.
 #[test]

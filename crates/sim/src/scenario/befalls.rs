@@ -1,5 +1,6 @@
 //! A scenario's disturbances and events, tick by tick, the same for whoever flies it.
 
+use super::ranges::are_zero;
 use super::{SAMPLE_TIME, Scenario};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -36,6 +37,22 @@ pub struct Lowered {
 }
 
 impl Now {
+    /// Nothing.
+    pub fn nothing() -> Self {
+        Self {
+            volts: PerMotor::zero(),
+            torque: PerAxis::zero(),
+            noise: PerAxis::zero(),
+            supply: None,
+            change: None,
+        }
+    }
+
+    /// Pushes it and feeds its amplifiers as `other` does?
+    pub fn is_as(&self, other: &Self) -> bool {
+        (self.volts, self.torque, self.supply) == (other.volts, other.torque, other.supply)
+    }
+
     /// \[V\] What a supply of `sound` has become.
     pub fn supply<R: Real>(&self, sound: R) -> R {
         self.supply
@@ -98,7 +115,7 @@ impl Scenario {
     /// Does anything befall the rig beside volts at its motors?
     pub fn is_more_than_volts(&self) -> bool {
         let events = &self.events;
-        let turns = |torque: [f64; 2]| torque != [0.0; 2];
+        let turns = |torque: [f64; 2]| !are_zero(torque);
         let pushes = [&events.step, &events.ramp, &events.gust];
         let pushed = pushes.iter().any(|pushes| pushes.iter().any(|push| turns(push.torque)));
         pushed

@@ -1,6 +1,6 @@
 //! How a flight begins, and how good the rig's hardware is.
 
-use super::ranges::{pair, within};
+use super::ranges::{are_zero, pair, within};
 use crate::error::{Error, Outcome};
 use serde::Deserialize;
 use twinrotor::SAMPLE_TIME;
@@ -34,9 +34,9 @@ impl Start {
         within("start.angle_deg[1]", self.angle_deg[1], [-360.0, 360.0], "degrees")?;
         pair("start.rate_deg", self.rate_deg, [-500.0, 500.0], "degrees a second")?;
         pair("start.rotor_volts", self.rotor_volts, [-60.0, 60.0], "V")?;
-        if self.hot && (self.rate_deg != [0.0; 2] || self.rotor_volts != [0.0; 2]) {
-            let allowed = "false beside start.rate_deg or start.rotor_volts: who has flown to where it begins \
-                           hovers there";
+        if self.hot && !(are_zero(self.rate_deg) && are_zero(self.rotor_volts)) {
+            let allowed = "false beside start.rate_deg or start.rotor_volts: who has flown to where it \
+                           begins hovers there";
             return Err(Error::invalid("start.hot", true, allowed));
         }
         Ok(())

@@ -2,7 +2,7 @@
 //! supply that sags. Each a list of its own in a scenario file, such as `[[events.step]]`.
 
 use super::befalls::{Change, Lowered};
-use super::ranges::{pair, window, within};
+use super::ranges::{are_zero, pair, window, within};
 use super::{LONGEST, SAMPLE_TIME};
 use crate::error::{Error, Outcome};
 use serde::Deserialize;
@@ -212,7 +212,7 @@ impl Events {
 fn check_push(place: &str, volts: [f64; 2], torque: [f64; 2], times: [f64; 2]) -> Outcome<()> {
     pair(&format!("{place}.volts"), volts, [-60.0, 60.0], "V")?;
     pair(&format!("{place}.torque"), torque, [-10.0, 10.0], "N m")?;
-    if volts == [0.0; 2] && torque == [0.0; 2] {
+    if are_zero(volts) && are_zero(torque) {
         let allowed = "volts or torque other than 0, such as volts = [2, 0]";
         return Err(Error::invalid(place, "without a push", allowed));
     }

@@ -27,3 +27,8 @@ pub(super) fn window(place: &str, [from, to]: [f64; 2], most: f64) -> Outcome<()
         format_args!("above {from} s, where the window begins, to {most} s"),
     ))
 }
+
+/// Are both 0?
+pub(super) fn are_zero(values: [f64; 2]) -> bool {
+    values.iter().all(|value| value.abs() <= 0.0)
+}

@@ -119,8 +119,10 @@ fn every_number_of_an_event_has_a_range_that_is_told() {
 #[test]
 fn pushes_have_their_shapes_and_add_up() {
     let scenario = with(
-        "[[events.step]]\nvolts = [2, 0]\nwindow = [1, 2]\n[[events.step]]\nvolts = [1, 0]\nwindow = [1.5, 2]\n\
-         [[events.ramp]]\ntorque = [0.4, 0]\nwindow = [2, 4]\n[[events.gust]]\nvolts = [0, 4]\nwindow = [3, 5]\n\
+        "[[events.step]]\nvolts = [2, 0]\nwindow = [1, 2]\n[[events.step]]\nvolts = [1, 0]\n\
+         window = [1.5, 2]\n\
+         [[events.ramp]]\ntorque = [0.4, 0]\nwindow = [2, 4]\n[[events.gust]]\nvolts = [0, 4]\n\
+         window = [3, 5]\n\
          [[events.sine]]\ntorque = [0, 0.2]\nfrequency = 3.141592653589793\nwindow = [4, 8]\n",
     )
     .unwrap();

@@ -102,7 +102,8 @@ fn report(args: &Args, named: &NamedRig, scenario: &Scenario, rows: &[Surveyed])
     }
     let heat = if scenario.start.hot { "warm motors" } else { "cold motors" };
     format!(
-        "{}, scenario {}: {} plants that nothing was tuned on, {heat}, flown as the board does, seed {}\n{table}\n",
+        "{}, scenario {}: {} plants that nothing was tuned on, {heat}, flown as the board does, \
+         seed {}\n{table}\n",
         named.name, scenario.name, args.plants, args.common.seed
     )
 }

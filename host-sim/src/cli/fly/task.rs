@@ -66,7 +66,8 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
     }
     if args.verify && !scenario.is_undisturbed() {
         return Err(Failure::Input(format!(
-            "--verify cannot be with --scenario {}: what befalls the rig is not computed once more; leave one out",
+            "--verify cannot be with --scenario {}: what befalls the rig is not computed once more; leave \
+             one out",
             scenario.name
         )));
     }
