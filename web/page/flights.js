@@ -25,6 +25,8 @@ export class Flights {
     this.shown = 0;
     /** @type {uPlot | undefined} */
     this.plot = undefined;
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.build());
+    new ResizeObserver(() => this.plot?.setSize(this.size())).observe(byId("flight-plot"));
   }
 
   /** @param {any} status */
@@ -35,6 +37,10 @@ export class Flights {
     if (status.flights === this.shown) return;
     this.shown = status.flights;
     this.build();
+  }
+
+  size() {
+    return { width: Math.max(byId("flight-plot").clientWidth, 200), height: 190 };
   }
 
   build() {
@@ -82,7 +88,7 @@ export class Flights {
     }
     const axis = { stroke: colour("text"), grid: { stroke: colour("line"), width: 1 }, font: "12px system-ui" };
     this.plot = new uPlot({
-      width: Math.max(holder.clientWidth, 240), height: 190, legend: { live: false },
+      ...this.size(), legend: { live: false },
       scales: { x: { time: false } }, series,
       axes: [{ ...axis, size: 24 }, { ...axis, size: 46, label: "angle [°]", labelSize: 16, labelFont: axis.font }],
     }, /** @type {any} */ (data), holder);

@@ -8,9 +8,12 @@ self.addEventListener("message", async (event) => {
   try {
     const machine = await Machine.load(bytes);
     machine.ask({ tune: { preset, seed } });
+    let seconds = 0;
     for (;;) {
+      const from = performance.now();
       const progress = machine.ask("tune-on");
-      self.postMessage(progress);
+      seconds += (performance.now() - from) / 1000;
+      self.postMessage({ ...progress, seconds });
       if (progress.asked.length === 0 || progress.gains_toml) return;
       // A breath, so that whoever looks sees it grow.
       await new Promise((go) => setTimeout(go, 0));

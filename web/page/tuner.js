@@ -4,7 +4,7 @@
 
 import { button, byId, colour, download, input, select } from "./dom.js";
 
-/** @typedef {{ asked: number[][], best: number[] | null, cost: number | null, evaluations: number, budget: number,
+/** @typedef {{ asked: number[][], best: number[] | null, cost: number | null, seconds: number, evaluations: number, budget: number,
  *    response: { time: number[], pitch: number[], yaw: number[] } | null, gains_toml: string | null }} Progress */
 
 /** The goal of the paper's step, drawn as a line. */
@@ -23,6 +23,10 @@ export class Tuner {
     this.worker = undefined;
     /** @type {number[][]} */
     this.flowers = [];
+    /** @type {number[]} */
+    this.best = [];
+    /** @type {number | undefined} */
+    this.drawing = undefined;
     /** @type {Progress["response"]} */
     this.response = null;
     /** @type {string | null} */
@@ -30,7 +34,6 @@ export class Tuner {
     button("tune").addEventListener("click", () => this.start());
     button("tune-use").addEventListener("click", () => this.found && use(this.found));
     button("tune-save").addEventListener("click", () => this.found && download("gains.toml", this.found));
-    this.begun = 0;
   }
 
   start() {
@@ -38,7 +41,6 @@ export class Tuner {
     this.flowers = [];
     this.response = null;
     this.found = null;
-    this.begun = performance.now();
     for (const id of ["tune-use", "tune-save"]) button(id).disabled = true;
     const worker = new Worker(this.source);
     this.worker = worker;
@@ -55,19 +57,25 @@ export class Tuner {
     }
     this.flowers.push(...progress.asked);
     this.response = progress.response ?? this.response;
-    const seconds = (performance.now() - this.begun) / 1000;
     const cost = progress.cost === null ? "none flies yet" : `ISE ${progress.cost.toFixed(6)}`;
     byId("tune-told").textContent =
-      `${progress.evaluations} of ${progress.budget} evaluations, ${cost}, ${seconds.toFixed(1)} s`;
+      `${progress.evaluations} of ${progress.budget} evaluations, ${cost}, ${progress.seconds.toFixed(1)} s`;
     const best = progress.best ?? [];
+    this.best = best;
     byId("tune-best").textContent = best.map((gain, k) => `${this.about.gains[k]} ${gain.toFixed(3)}`).join(", ");
     if (progress.gains_toml) {
       this.found = progress.gains_toml;
       byId("tune-told").dataset.gains = progress.gains_toml;
       for (const id of ["tune-use", "tune-save"]) button(id).disabled = false;
     }
-    this.gains("tune-pitch", 0, best);
-    this.gains("tune-yaw", 2, best);
+    // Once a frame, however fast it searches.
+    if (this.drawing === undefined) this.drawing = requestAnimationFrame(() => this.draw());
+  }
+
+  draw() {
+    this.drawing = undefined;
+    this.gains("tune-pitch", 0, this.best);
+    this.gains("tune-yaw", 2, this.best);
     this.curve();
   }
 
@@ -85,8 +93,8 @@ export class Tuner {
       context.fill();
     };
     context.fillStyle = colour("text");
-    context.globalAlpha = 0.16;
-    for (const flower of this.flowers.slice(-1200)) dot(flower, 1.6);
+    context.globalAlpha = 0.35;
+    for (const flower of this.flowers) dot(flower, 1.6);
     context.globalAlpha = 1;
     context.fillStyle = colour("pitch");
     for (const flower of this.flowers.slice(-50)) dot(flower, 2.2);

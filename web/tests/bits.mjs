@@ -14,7 +14,8 @@ const { memory, input, ask, output } = /** @type {any} */ (instance.exports);
 /** @param {unknown} request */
 function answer(request) {
   const question = new TextEncoder().encode(JSON.stringify(request));
-  new Uint8Array(memory.buffer, input(question.length), question.length).set(question);
+  const at = input(question.length);
+  new Uint8Array(memory.buffer, at, question.length).set(question);
   const length = ask();
   return JSON.parse(new TextDecoder().decode(new Uint8Array(memory.buffer, output(), length)));
 }

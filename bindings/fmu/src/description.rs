@@ -38,7 +38,7 @@ pub fn description(design: &Design) -> String {
         r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{}" guid="{}" version="{}"
   generationTool="Twinrotor {}" variableNamingConvention="structured" numberOfEventIndicators="0"
-  description="{}">
+  description="A two-rotor laboratory helicopter; a step is a multiple of 1 ms, inputs are held during it">
   <CoSimulation modelIdentifier="{IDENTIFIER}" canHandleVariableCommunicationStepSize="true"
     canGetAndSetFMUstate="true" canSerializeFMUstate="false"/>
   <UnitDefinitions>
@@ -47,7 +47,6 @@ pub fn description(design: &Design) -> String {
         design.guid(),
         env!("CARGO_PKG_VERSION"),
         env!("CARGO_PKG_VERSION"),
-        "A two-rotor laboratory helicopter; a step is a multiple of 1 ms, inputs are held during it",
     );
     for unit in all.iter().map(|v| v.unit).filter(|unit| !unit.is_empty()).collect::<BTreeSet<_>>() {
         let _ = match base(unit) {

@@ -21,6 +21,7 @@ const INPUTS: usize = 5;
 
 /// What is stepped.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "one a unit")]
 enum Machine {
     Plant(Bench<f32>),
     Controller(ReadyBoard),
@@ -137,7 +138,8 @@ impl Model {
     /// If it does not stand there, or the size is no multiple of a tick.
     pub fn step(&mut self, from: f64, size: f64) -> Outcome<()> {
         // A master's sum of steps is off by its rounding.
-        if !((from - self.time()).abs() <= 1e-6 * SAMPLE_TIME.max(from.abs())) {
+        let off = (from - self.time()).abs();
+        if off.is_nan() || off > 1e-6 * SAMPLE_TIME.max(from.abs()) {
             return Err(Error::invalid("communication point", from, format!("{} s", self.time())));
         }
         let ticks = (size / SAMPLE_TIME).round();

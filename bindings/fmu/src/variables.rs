@@ -41,7 +41,9 @@ pub struct Variable {
     pub(crate) place: Place,
 }
 
+/// Name, unit, explanation, and a start or what is told.
 type Row<T> = (&'static str, &'static str, &'static str, T);
+type Told = Row<fn(&Model) -> f64>;
 
 const SETPOINT: [Row<f64>; 2] = [
     ("setpoint.pitch", "rad", "Where to be, above the horizontal", 0.0),
@@ -59,21 +61,21 @@ const COUNTS: [Row<f64>; 2] = [
     ("counts.pitch", "", "What the pitch encoder has counted", 0.0),
     ("counts.yaw", "", "What the yaw encoder has counted", 0.0),
 ];
-const TRUE_STATE: [Row<fn(&Model) -> f64>; 4] = [
+const TRUE_STATE: [Told; 4] = [
     ("angle.pitch", "rad", "True pitch angle", |m| m.state().angle.pitch.into()),
     ("angle.yaw", "rad", "True yaw angle", |m| m.state().angle.yaw.into()),
     ("rate.pitch", "rad/s", "True pitch rate", |m| m.state().rate.pitch.into()),
     ("rate.yaw", "rad/s", "True yaw rate", |m| m.state().rate.yaw.into()),
 ];
-const ARMED: Row<fn(&Model) -> f64> =
+const ARMED: Told =
     ("armed", "", "1 while the board's supervisor lets the motors turn, else 0", |m| f64::from(m.is_armed()));
 
 /// All of a unit's, in the order of their value references.
 pub fn variables(design: &Design) -> Vec<Variable> {
     let supply = ("supply", "V", "Supply of the amplifiers", design.named.rig.supply.nominal);
-    let (inputs, outputs): (Vec<Row<f64>>, Vec<Row<fn(&Model) -> f64>>) = match design.what {
+    let (inputs, outputs): (Vec<Row<f64>>, Vec<Told>) = match design.what {
         What::Plant => {
-            let counts: [Row<fn(&Model) -> f64>; 3] = [
+            let counts: [Told; 3] = [
                 (COUNTS[0].0, "", COUNTS[0].2, |m| f64::from(m.counts().pitch)),
                 (COUNTS[1].0, "", COUNTS[1].2, |m| f64::from(m.counts().yaw)),
                 (supply.0, supply.1, supply.2, Model::supply),
@@ -99,7 +101,7 @@ pub fn variables(design: &Design) -> Vec<Variable> {
         bounds: [None; 2],
         place: Place::Input(k),
     };
-    let output = |(name, unit, explanation, of): Row<fn(&Model) -> f64>| Variable {
+    let output = |(name, unit, explanation, of): Told| Variable {
         name: name.to_owned(),
         unit,
         explanation,
@@ -116,7 +118,7 @@ pub fn variables(design: &Design) -> Vec<Variable> {
     all
 }
 
-fn volts() -> [Row<fn(&Model) -> f64>; 2] {
+fn volts() -> [Told; 2] {
     [
         (VOLTS[0].0, "V", VOLTS[0].2, |m| m.volts().main.into()),
         (VOLTS[1].0, "V", VOLTS[1].2, |m| m.volts().tail.into()),

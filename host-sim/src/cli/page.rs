@@ -66,3 +66,21 @@ fn read(module: &Path) -> Outcome<Vec<u8>> {
         page::MODULE
     )))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_its_module_the_command_that_builds_it_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("twinrotor.wasm.gz");
+        let told = read(&missing).unwrap_err().to_string();
+        assert!(told.contains("scripts/build-page.sh builds target/page/twinrotor.wasm.gz"), "{told}");
+        std::fs::write(&missing, b"\0asm").unwrap();
+        let told = read(&missing).unwrap_err().to_string();
+        assert!(told.contains("no module packed with gzip; scripts/build-page.sh"), "{told}");
+        std::fs::write(&missing, [0x1f, 0x8b, 8]).unwrap();
+        assert_eq!(read(&missing).unwrap(), [0x1f, 0x8b, 8]);
+    }
+}
