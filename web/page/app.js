@@ -32,7 +32,9 @@ function attempt(work) {
 
 /** The bytes of the module, which the page carries in itself, packed. */
 async function carried() {
-  const unpacked = new Blob([read85(byId("wasm").textContent ?? "")]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const unpacked = new Blob([read85(byId("wasm").textContent ?? "")])
+    .stream()
+    .pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(unpacked).arrayBuffer());
 }
 
@@ -59,10 +61,12 @@ async function main() {
     plots.setLimits(Object.values(machine.ask("status").volts_limit));
   };
   const rig = new Rig(machine, about, attempt, anew, () => settings.build());
-  new Tuner(bytes, byId("worker").textContent ?? "", about, (gains_toml) => attempt(() => {
-    machine.ask({ load: { gains_toml } });
-    settings.build();
-  }));
+  new Tuner(bytes, byId("worker").textContent ?? "", about, (gains_toml) =>
+    attempt(() => {
+      machine.ask({ load: { gains_toml } });
+      settings.build();
+    }),
+  );
 
   let told = 0;
   let rowsBefore = -1;
@@ -130,7 +134,14 @@ async function main() {
     button("zoom-in").addEventListener("click", () => plots.scale(0.5));
     button("zoom-out").addEventListener("click", () => plots.scale(2));
     input("scrub").addEventListener("input", () => plots.scrub(input("scrub").valueAsNumber));
-    const keys = new Map([["t", "try"], ["a", "accept"], ["r", "revert"], ["f", "fly"], ["p", "run"], [".", "tick"]]);
+    const keys = new Map([
+      ["t", "try"],
+      ["a", "accept"],
+      ["r", "revert"],
+      ["f", "fly"],
+      ["p", "run"],
+      [".", "tick"],
+    ]);
     document.addEventListener("keydown", (event) => {
       const typing = event.target instanceof HTMLInputElement && event.target.type === "number";
       const id = keys.get(event.key);
@@ -146,9 +157,14 @@ async function main() {
     const state = read();
     for (const id of ["preset", "controller", "scenario", "speed"]) {
       const wanted = state.get(id);
-      if (wanted !== undefined && [...select(id).options].some(({ value }) => value === wanted)) select(id).value = wanted;
+      if (wanted !== undefined && [...select(id).options].some(({ value }) => value === wanted))
+        select(id).value = wanted;
     }
-    for (const [id, name] of [["wind-main", "main"], ["wind-tail", "tail"], ["seed", "seed"]]) {
+    for (const [id, name] of [
+      ["wind-main", "main"],
+      ["wind-tail", "tail"],
+      ["seed", "seed"],
+    ]) {
       const wanted = Number(state.get(name));
       if (state.has(name) && Number.isFinite(wanted)) input(id).value = `${wanted}`;
     }

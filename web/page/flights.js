@@ -6,7 +6,10 @@ import { byId, colour, make } from "./dom.js";
 
 /** @typedef {import("./machine.js").Machine} Machine */
 
-/** What is told of a flight: name, and where it is in the report. @type {[string, (report: any) => number | null, number][]} */
+/**
+ * What is told of a flight: name, where it is in the report, digits.
+ * @type {[string, (report: any) => number | null, number][]}
+ */
 const NUMBERS = [
   ["settling 2 %, pitch [s]", (report) => report.pitch.settling_time_2, 3],
   ["settling 2 %, yaw [s]", (report) => report.yaw.settling_time_2, 3],
@@ -32,8 +35,11 @@ export class Flights {
   /** @param {any} status */
   show(status) {
     const { flying } = status;
-    byId("flying").textContent = !flying ? "" : flying.rising ? `${flying.scenario}: up to level first`
-      : `${flying.scenario}: ${flying.time.toFixed(1)} of ${flying.duration} s`;
+    byId("flying").textContent = !flying
+      ? ""
+      : flying.rising
+        ? `${flying.scenario}: up to level first`
+        : `${flying.scenario}: ${flying.time.toFixed(1)} of ${flying.duration} s`;
     if (status.flights === this.shown) return;
     this.shown = status.flights;
     this.build();
@@ -55,10 +61,16 @@ export class Flights {
   /** @param {any[]} flights */
   table(flights) {
     const title = (/** @type {any} */ flight) => `${flight.number}: ${flight.scenario}, ${flight.controller}`;
-    const head = make("tr", {}, make("th", {}), ...flights.map((f) => make("th", { scope: "col" }, title(f))));
+    const head = make(
+      "tr",
+      {},
+      make("th", {}),
+      ...flights.map((f) => make("th", { scope: "col" }, title(f))),
+    );
     const rows = NUMBERS.map(([name, of, digits]) => {
-      const told = flights.map(({ report }) => of(report)).map((value) =>
-        make("td", {}, value === null ? "–" : value.toFixed(digits)));
+      const told = flights
+        .map(({ report }) => of(report))
+        .map((value) => make("td", {}, value === null ? "–" : value.toFixed(digits)));
       return make("tr", {}, make("th", { scope: "row" }, name), ...told);
     });
     byId("flight-numbers").replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
@@ -69,28 +81,54 @@ export class Flights {
     const holder = byId("flight-plot");
     const last = flights[flights.length - 1];
     const before = flights.length > 1 && flights[0].scenario === last.scenario ? flights[0] : undefined;
-    const time = [last, before].map((f) => f?.curves.time ?? []).reduce((a, b) => (a.length > b.length ? a : b));
+    const time = [last, before]
+      .map((f) => f?.curves.time ?? [])
+      .reduce((a, b) => (a.length > b.length ? a : b));
     /** @type {uPlot.Series[]} */
     const series = [{ label: "time [s]" }];
     /** @type {any[]} */
     const data = [time];
-    const line = (/** @type {any} */ flight, /** @type {string} */ column, /** @type {string} */ label,
-      /** @type {string} */ tint, /** @type {number} */ width, /** @type {number[]} */ dash) => {
+    const line = (
+      /** @type {any} */ flight,
+      /** @type {string} */ column,
+      /** @type {string} */ label,
+      /** @type {string} */ tint,
+      /** @type {number} */ width,
+      /** @type {number[]} */ dash,
+    ) => {
       series.push({ label, stroke: colour(tint), width, dash });
-      data.push(time.map((/** @type {number} */ _, /** @type {number} */ k) => flight.curves[column][k] ?? null));
+      data.push(
+        time.map((/** @type {number} */ _, /** @type {number} */ k) => flight.curves[column][k] ?? null),
+      );
     };
     line(last, "pitch_reference", "references", "text", 1, [2, 3]);
     line(last, "yaw_reference", "", "text", 1, [2, 3]);
-    for (const [flight, width, dash] of /** @type {[any, number, number[]][]} */ ([[before, 1.4, [7, 4]], [last, 2.2, []]])) {
+    for (const [flight, width, dash] of /** @type {[any, number, number[]][]} */ ([
+      [before, 1.4, [7, 4]],
+      [last, 2.2, []],
+    ])) {
       if (!flight) continue;
       line(flight, "pitch", `pitch ${flight.number}`, "pitch", width, dash);
       line(flight, "yaw", `yaw ${flight.number}`, "yaw", width, dash);
     }
-    const axis = { stroke: colour("text"), grid: { stroke: colour("line"), width: 1 }, font: "12px system-ui" };
-    this.plot = new uPlot({
-      ...this.size(), legend: { live: false },
-      scales: { x: { time: false } }, series,
-      axes: [{ ...axis, size: 24 }, { ...axis, size: 46, label: "angle [°]", labelSize: 16, labelFont: axis.font }],
-    }, /** @type {any} */ (data), holder);
+    const axis = {
+      stroke: colour("text"),
+      grid: { stroke: colour("line"), width: 1 },
+      font: "12px system-ui",
+    };
+    this.plot = new uPlot(
+      {
+        ...this.size(),
+        legend: { live: false },
+        scales: { x: { time: false } },
+        series,
+        axes: [
+          { ...axis, size: 24 },
+          { ...axis, size: 46, label: "angle [°]", labelSize: 16, labelFont: axis.font },
+        ],
+      },
+      /** @type {any} */ (data),
+      holder,
+    );
   }
 }

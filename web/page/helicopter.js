@@ -60,7 +60,12 @@ export class Helicopter {
       tint: gl.getUniformLocation(program, "tint"),
     };
     /** @type {Record<Shape, { array: WebGLVertexArrayObject | null, count: number }>} */
-    this.shapes = { box: store(gl, box()), disc: store(gl, disc(40)), ring: store(gl, ring(40)), tube: store(gl, tube(24)) };
+    this.shapes = {
+      box: store(gl, box()),
+      disc: store(gl, disc(40)),
+      ring: store(gl, ring(40)),
+      tube: store(gl, tube(24)),
+    };
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
@@ -88,7 +93,9 @@ export class Helicopter {
     const clipped = { main: (row.clipped & 1) !== 0, tail: (row.clipped & 2) !== 0 };
     this.body(row.pitch, row.yaw, 1, clipped);
     this.body(row.pitch_reference, row.yaw_reference, 0.22, { main: false, tail: false });
-    byId("clipped").textContent = [clipped.main && "main", clipped.tail && "tail"].filter(Boolean).join(" and ");
+    byId("clipped").textContent = [clipped.main && "main", clipped.tail && "tail"]
+      .filter(Boolean)
+      .join(" and ");
   }
 
   /**
@@ -103,7 +110,12 @@ export class Helicopter {
     this.part("box", chain(place, stretch(1.9, 0.06, 0.06)), see("metal"));
     this.part("box", chain(place, stretch(0.22, 0.13, 0.13)), see("body"));
     this.rotor(chain(place, move(0.98, 0.05, 0)), "main", clipped.main, see);
-    this.rotor(chain(place, move(-0.98, 0, 0), aboutX(Math.PI / 2), move(0, 0.05, 0)), "tail", clipped.tail, see);
+    this.rotor(
+      chain(place, move(-0.98, 0, 0), aboutX(Math.PI / 2), move(0, 0.05, 0)),
+      "tail",
+      clipped.tail,
+      see,
+    );
   }
 
   /**

@@ -12,7 +12,10 @@
  * @property {() => number} samples
  */
 
-/** A request as `web/src/request.rs` reads it: a name, or an object of one. @typedef {string | object} Request */
+/**
+ * A request as `web/src/request.rs` reads it: a name, or an object of one.
+ * @typedef {string | object} Request
+ */
 
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();

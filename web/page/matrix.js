@@ -59,5 +59,22 @@ export function perspective(height, aspect) {
   const f = 1 / Math.tan(height / 2);
   const [near, far] = [0.1, 50];
   const depth = 1 / (near - far);
-  return matrix(f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) * depth, -1, 0, 0, 2 * far * near * depth, 0);
+  return matrix(
+    f / aspect,
+    0,
+    0,
+    0,
+    0,
+    f,
+    0,
+    0,
+    0,
+    0,
+    (far + near) * depth,
+    -1,
+    0,
+    0,
+    2 * far * near * depth,
+    0,
+  );
 }

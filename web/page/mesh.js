@@ -7,7 +7,14 @@ export function box() {
   for (const axis of [0, 1, 2]) {
     for (const side of [-0.5, 0.5]) {
       const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-      const corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+      const corners = [
+        [-0.5, -0.5],
+        [0.5, -0.5],
+        [0.5, 0.5],
+        [-0.5, -0.5],
+        [0.5, 0.5],
+        [-0.5, 0.5],
+      ];
       for (const [a, b] of corners) {
         const place = [0, 0, 0];
         const normal = [0, 0, 0];
@@ -38,7 +45,14 @@ export function ring(corners) {
   const inner = 0.92;
   for (let k = 0; k < corners; k += 1) {
     const [from, to] = [k, k + 1].map((n) => (2 * Math.PI * n) / corners);
-    const at = (/** @type {number} */ r, /** @type {number} */ a) => [r * Math.cos(a), 0, r * Math.sin(a), 0, 1, 0];
+    const at = (/** @type {number} */ r, /** @type {number} */ a) => [
+      r * Math.cos(a),
+      0,
+      r * Math.sin(a),
+      0,
+      1,
+      0,
+    ];
     out.push(...at(inner, from), ...at(1, from), ...at(1, to));
     out.push(...at(inner, from), ...at(1, to), ...at(inner, to));
   }
@@ -51,7 +65,12 @@ export function tube(corners) {
   for (let k = 0; k < corners; k += 1) {
     const [from, to] = [k, k + 1].map((n) => (2 * Math.PI * n) / corners);
     const at = (/** @type {number} */ a, /** @type {number} */ y) => [
-      Math.cos(a), y, Math.sin(a), Math.cos(a), 0, Math.sin(a),
+      Math.cos(a),
+      y,
+      Math.sin(a),
+      Math.cos(a),
+      0,
+      Math.sin(a),
     ];
     out.push(...at(from, 0), ...at(to, 0), ...at(to, 1), ...at(from, 0), ...at(to, 1), ...at(from, 1));
   }

@@ -81,7 +81,11 @@ export class Plots {
   /** @param {string} id @param {string} label @param {Line[]} lines @param {number[]} limits */
   one(id, label, lines, limits = []) {
     const holder = byId(id);
-    const axis = { stroke: colour("text"), grid: { stroke: colour("line"), width: 1 }, ticks: { show: false } };
+    const axis = {
+      stroke: colour("text"),
+      grid: { stroke: colour("line"), width: 1 },
+      ticks: { show: false },
+    };
     const font = "12px system-ui";
     const most = Math.max(...limits, 0);
     /** @type {uPlot.Options} */
@@ -96,7 +100,12 @@ export class Plots {
       ],
       series: [
         { label: "time [s]" },
-        ...lines.map((line) => ({ label: line.label, stroke: colour(line.colour), width: 1.6, dash: line.dash })),
+        ...lines.map((line) => ({
+          label: line.label,
+          stroke: colour(line.colour),
+          width: 1.6,
+          dash: line.dash,
+        })),
       ],
       hooks: {
         setSelect: [(/** @type {uPlot} */ plot) => this.zoom(plot)],
@@ -175,7 +184,10 @@ export class Plots {
   }
 }
 
-/** A y range with some room, never a hair's breadth. @param {uPlot} _ @param {number} low @param {number} high */
+/**
+ * A y range with some room, never a hair's breadth.
+ * @param {uPlot} _ @param {number} low @param {number} high
+ */
 function roomy(_, low, high) {
   const [least, most] = [low ?? -1, high ?? 1];
   const room = Math.max(0.08 * (most - least), 0.5);

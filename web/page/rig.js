@@ -18,15 +18,19 @@ export class Rig {
     choices("controller", about.controllers);
     choices("scenario", about.scenarios);
     select("preset").addEventListener("change", () => this.begin(anew));
-    select("controller").addEventListener("change", () => attempt(() => {
-      machine.ask({ draw: { controller: select("controller").value } });
-      drawn();
-    }));
+    select("controller").addEventListener("change", () =>
+      attempt(() => {
+        machine.ask({ draw: { controller: select("controller").value } });
+        drawn();
+      }),
+    );
     button("begin").addEventListener("click", () => this.begin(anew));
-    button("fly").addEventListener("click", () => attempt(() =>
-      machine.ask({ fly: { scenario: select("scenario").value } })));
+    button("fly").addEventListener("click", () =>
+      attempt(() => machine.ask({ fly: { scenario: select("scenario").value } })),
+    );
     for (const id of ["aim-pitch", "aim-yaw"]) input(id).addEventListener("input", () => this.aim());
-    for (const id of ["wind-main", "wind-tail", "gusts"]) input(id).addEventListener("input", () => this.disturb());
+    for (const id of ["wind-main", "wind-tail", "gusts"])
+      input(id).addEventListener("input", () => this.disturb());
     input("steady").addEventListener("change", () => this.steady());
     /** @type {Map<string, HTMLInputElement>} */
     this.faults = new Map();
@@ -73,8 +77,9 @@ export class Rig {
   list(faults) {
     const boxes = faults.map(({ name, words }) => {
       const box = /** @type {HTMLInputElement} */ (make("input", { type: "checkbox", "data-fault": name }));
-      box.addEventListener("change", () => this.attempt(() =>
-        this.machine.ask({ fault: { name, present: box.checked } })));
+      box.addEventListener("change", () =>
+        this.attempt(() => this.machine.ask({ fault: { name, present: box.checked } })),
+      );
       this.faults.set(name, box);
       return make("label", {}, box, ` ${words}`);
     });

@@ -19,8 +19,14 @@ import { button, byId, download, input, make } from "./dom.js";
  * @property {number | null} saved
  */
 
-const WORDS = new Map([["law", "gains of the law"], ["estimator", "estimator"], ["filter", "command filter"],
-  ["allocation", "allocation"], ["lead", "lead"], ["cancellation", "cancellation of the disturbance"]]);
+const WORDS = new Map([
+  ["law", "gains of the law"],
+  ["estimator", "estimator"],
+  ["filter", "command filter"],
+  ["allocation", "allocation"],
+  ["lead", "lead"],
+  ["cancellation", "cancellation of the disturbance"],
+]);
 
 export class Settings {
   /** @param {Machine} machine @param {(work: () => void) => void} attempt */
@@ -28,10 +34,12 @@ export class Settings {
     this.machine = machine;
     this.attempt = attempt;
     const on = (/** @type {string} */ id, /** @type {import("./machine.js").Request} */ request) =>
-      button(id).addEventListener("click", () => attempt(() => {
-        machine.ask(request);
-        this.build();
-      }));
+      button(id).addEventListener("click", () =>
+        attempt(() => {
+          machine.ask(request);
+          this.build();
+        }),
+      );
     on("try", "try");
     on("accept", "accept");
     on("revert", "revert");
@@ -51,21 +59,30 @@ export class Settings {
     for (const row of rows) parts.set(row.part, [...(parts.get(row.part) ?? []), this.row(row)]);
     const open = new Set([...document.querySelectorAll("#settings details[open]")].map((d) => d.id));
     const groups = [...parts].map(([part, all]) => {
-      const group = make("details", { id: `part-${part}` }, make("summary", {}, WORDS.get(part) ?? part), ...all);
+      const group = make(
+        "details",
+        { id: `part-${part}` },
+        make("summary", {}, WORDS.get(part) ?? part),
+        ...all,
+      );
       if (part === "law" || open.has(group.id)) group.setAttribute("open", "");
       return group;
     });
     byId("settings").replaceChildren(...groups);
     this.tell(changed);
-    byId("tried").replaceChildren(...tried.map((/** @type {any} */ trial) => {
-      const back = make("button", { type: "button" }, `${trial.number}`);
-      back.title = "these values into the sliders";
-      back.addEventListener("click", () => this.attempt(() => {
-        this.machine.ask({ recall: { number: trial.number } });
-        this.build();
-      }));
-      return make("li", {}, back, ` ${trial.words}`);
-    }));
+    byId("tried").replaceChildren(
+      ...tried.map((/** @type {any} */ trial) => {
+        const back = make("button", { type: "button" }, `${trial.number}`);
+        back.title = "these values into the sliders";
+        back.addEventListener("click", () =>
+          this.attempt(() => {
+            this.machine.ask({ recall: { number: trial.number } });
+            this.build();
+          }),
+        );
+        return make("li", {}, back, ` ${trial.words}`);
+      }),
+    );
   }
 
   /** @param {number} changed */
@@ -76,20 +93,36 @@ export class Settings {
   /** @param {Row} row @returns {HTMLElement} */
   row(row) {
     const [low, high] = row.typical;
-    const slider = /** @type {HTMLInputElement} */ (make("input", {
-      type: "range", min: `${Math.min(low, row.draft)}`, max: `${Math.max(high, row.draft)}`,
-      step: row.switch ? "1" : `${(high - low) / 500}`, "aria-label": row.name,
-    }));
-    const number = /** @type {HTMLInputElement} */ (make("input", {
-      type: "number", step: "any", "aria-label": `${row.name} as a number`, inputmode: "decimal",
-    }));
+    const slider = /** @type {HTMLInputElement} */ (
+      make("input", {
+        type: "range",
+        min: `${Math.min(low, row.draft)}`,
+        max: `${Math.max(high, row.draft)}`,
+        step: row.switch ? "1" : `${(high - low) / 500}`,
+        "aria-label": row.name,
+      })
+    );
+    const number = /** @type {HTMLInputElement} */ (
+      make("input", {
+        type: "number",
+        step: "any",
+        "aria-label": `${row.name} as a number`,
+        inputmode: "decimal",
+      })
+    );
     slider.value = `${row.draft}`;
     number.value = short(row.draft);
     const unit = row.unit === "-" ? "" : row.unit;
     const labels = row.accepted === null ? "new" : `accepted ${short(row.accepted)}`;
     const told = make("span", { class: "accepted" }, labels);
-    const box = make("div", { class: "setting", title: `${row.doc} Allowed: ${row.allowed}.`, "data-name": row.name },
-      make("span", { class: "name" }, row.name, " ", make("small", {}, unit)), slider, number, told);
+    const box = make(
+      "div",
+      { class: "setting", title: `${row.doc} Allowed: ${row.allowed}.`, "data-name": row.name },
+      make("span", { class: "name" }, row.name, " ", make("small", {}, unit)),
+      slider,
+      number,
+      told,
+    );
     box.classList.toggle("changed", row.accepted !== row.draft);
     slider.addEventListener("input", () => this.set(row, slider.valueAsNumber, box));
     number.addEventListener("change", () => this.set(row, number.valueAsNumber, box));
@@ -111,10 +144,12 @@ export class Settings {
   load() {
     const [file] = input("load").files ?? [];
     if (!file) return;
-    file.text().then((text) => this.attempt(() => {
-      this.machine.ask({ load: { gains_toml: text } });
-      this.build();
-    }));
+    file.text().then((text) =>
+      this.attempt(() => {
+        this.machine.ask({ load: { gains_toml: text } });
+        this.build();
+      }),
+    );
   }
 
   /** What differs from the accepted controller, for a link. @returns {string} */

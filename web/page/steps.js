@@ -26,16 +26,24 @@ export class Steps {
     on("zero", "zero");
     on("clear", { supervisor: "clear-fault" });
     button("stop").addEventListener("click", () => this.stop());
-    document.addEventListener("keydown", (event) => {
-      if (event.key !== " " && event.key !== "Escape") return;
-      event.preventDefault();
-      event.stopPropagation();
-      this.stop();
-    }, { capture: true });
+    document.addEventListener(
+      "keydown",
+      (event) => {
+        if (event.key !== " " && event.key !== "Escape") return;
+        event.preventDefault();
+        event.stopPropagation();
+        this.stop();
+      },
+      { capture: true },
+    );
     // A browser presses a focused button when Space is let go.
-    document.addEventListener("keyup", (event) => {
-      if (event.key === " ") event.preventDefault();
-    }, { capture: true });
+    document.addEventListener(
+      "keyup",
+      (event) => {
+        if (event.key === " ") event.preventDefault();
+      },
+      { capture: true },
+    );
     hold(button("arm"), () => attempt(() => machine.ask({ supervisor: "arm" })));
   }
 
@@ -50,7 +58,9 @@ export class Steps {
     const shown = byId("state");
     shown.textContent = status.silent ? "no answer" : status.state;
     shown.dataset.state = status.silent ? "fault" : status.state;
-    byId("cause").textContent = status.silent ? "the board is not heard: is the link up?" : (status.cause ?? "");
+    byId("cause").textContent = status.silent
+      ? "the board is not heard: is the link up?"
+      : (status.cause ?? "");
     for (const [name, why] of Object.entries(status.steps)) {
       const found = document.getElementById(name);
       if (!(found instanceof HTMLButtonElement)) continue;
@@ -62,7 +72,9 @@ export class Steps {
     }
     // What only keeps it from being armed stands beside that button.
     const hazards = status.wrong.filter((/** @type {any} */ one) => one.hazard);
-    byId("wrong").replaceChildren(...hazards.map((/** @type {any} */ one) => make("li", { class: "hazard" }, one.words)));
+    byId("wrong").replaceChildren(
+      ...hazards.map((/** @type {any} */ one) => make("li", { class: "hazard" }, one.words)),
+    );
     const log = byId("journal");
     for (const entry of status.journal) {
       const time = `${entry.time.toFixed(1)} s `;

@@ -4,8 +4,17 @@
 
 import { button, byId, colour, download, input, select } from "./dom.js";
 
-/** @typedef {{ asked: number[][], best: number[] | null, cost: number | null, seconds: number, evaluations: number, budget: number,
- *    response: { time: number[], pitch: number[], yaw: number[] } | null, gains_toml: string | null }} Progress */
+/**
+ * @typedef {object} Progress
+ * @property {number[][]} asked
+ * @property {number[] | null} best
+ * @property {number | null} cost
+ * @property {number} seconds that it computed
+ * @property {number} evaluations
+ * @property {number} budget
+ * @property {{ time: number[], pitch: number[], yaw: number[] } | null} response
+ * @property {string | null} gains_toml
+ */
 
 /** The goal of the paper's step, drawn as a line. */
 const SECONDS = 5;
@@ -62,7 +71,9 @@ export class Tuner {
       `${progress.evaluations} of ${progress.budget} evaluations, ${cost}, ${progress.seconds.toFixed(1)} s`;
     const best = progress.best ?? [];
     this.best = best;
-    byId("tune-best").textContent = best.map((gain, k) => `${this.about.gains[k]} ${gain.toFixed(3)}`).join(", ");
+    byId("tune-best").textContent = best
+      .map((gain, k) => `${this.about.gains[k]} ${gain.toFixed(3)}`)
+      .join(", ");
     if (progress.gains_toml) {
       this.found = progress.gains_toml;
       byId("tune-told").dataset.gains = progress.gains_toml;
@@ -79,7 +90,10 @@ export class Tuner {
     this.curve();
   }
 
-  /** Flowers of one axis: its two gains across and up. @param {string} id @param {number} first @param {number[]} best */
+  /**
+   * Flowers of one axis: its two gains across and up.
+   * @param {string} id @param {number} first @param {number[]} best
+   */
   gains(id, first, best) {
     const draw = canvas(id);
     if (!draw) return;
@@ -108,7 +122,11 @@ export class Tuner {
     const { context, width, height } = draw;
     const { time, pitch, yaw } = this.response;
     const most = Math.max(...pitch, ...yaw, 1);
-    const line = (/** @type {number[]} */ angles, /** @type {string} */ tint, /** @type {number[]} */ dash) => {
+    const line = (
+      /** @type {number[]} */ angles,
+      /** @type {string} */ tint,
+      /** @type {number[]} */ dash,
+    ) => {
       context.strokeStyle = colour(tint);
       context.lineWidth = 1.8;
       context.setLineDash(dash);

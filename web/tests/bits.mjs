@@ -29,4 +29,7 @@ for (const line of lines) {
   assert.equal(ok, expected, `${preset}, scenario ${scenario}`);
 }
 const seconds = (Date.now() - begun) / 1000;
-console.log(`${lines.length} flights of 1,000,000 ticks have this machine's bits; ${(12_000 / seconds).toFixed(0)} times real time`);
+console.log(
+  `${lines.length} flights of 1,000,000 ticks have this machine's bits, ` +
+    `${(12_000 / seconds).toFixed(0)} times real time`,
+);

@@ -6,7 +6,12 @@ import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-const PLACES = [process.env.CHROMIUM ?? "", "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+const PLACES = [
+  process.env.CHROMIUM ?? "",
+  "/usr/bin/chromium",
+  "/usr/bin/chromium-browser",
+  "/usr/bin/google-chrome",
+];
 
 /** Where there is one, if there is. @returns {string | undefined} */
 export function installed() {
@@ -17,10 +22,21 @@ export class Chromium {
   /** @param {string} program */
   constructor(program) {
     this.folder = mkdtempSync(join(tmpdir(), "twinrotor-page-"));
-    this.process = spawn(program, [
-      "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--no-first-run", "--hide-scrollbars",
-      "--enable-unsafe-swiftshader", "--use-angle=swiftshader", `--user-data-dir=${this.folder}`, "about:blank",
-    ], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+    this.process = spawn(
+      program,
+      [
+        "--headless=new",
+        "--remote-debugging-pipe",
+        "--no-sandbox",
+        "--no-first-run",
+        "--hide-scrollbars",
+        "--enable-unsafe-swiftshader",
+        "--use-angle=swiftshader",
+        `--user-data-dir=${this.folder}`,
+        "about:blank",
+      ],
+      { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] },
+    );
     const [, , , to, from] = this.process.stdio;
     this.to = /** @type {import("node:stream").Writable} */ (to);
     this.waiting = new Map();
@@ -72,7 +88,9 @@ export class Chromium {
   /** What an expression comes to in the page. @param {string} expression */
   async value(expression) {
     const { result, exceptionDetails } = await this.send("Runtime.evaluate", {
-      expression, awaitPromise: true, returnByValue: true,
+      expression,
+      awaitPromise: true,
+      returnByValue: true,
     });
     if (exceptionDetails) throw new Error(`${expression}: ${exceptionDetails.exception?.description}`);
     return result.value;
@@ -85,7 +103,8 @@ export class Chromium {
       if (await this.value(expression)) return;
       await new Promise((go) => setTimeout(go, 50));
     }
-    throw new Error(`after ${most} ms still not: ${expression}; the page has: ${await this.value("document.body.innerText.slice(0, 1500)")}`);
+    const shown = await this.value("document.body.innerText.slice(0, 1500)");
+    throw new Error(`after ${most} ms still not: ${expression}; the page has: ${shown}`);
   }
 
   /** Presses a key, and lets it go. @param {string} key @param {number} [held] in ms */
@@ -119,7 +138,12 @@ export class Chromium {
 
   /** @param {number} width @param {number} height @param {boolean} dark */
   async size(width, height, dark) {
-    await this.send("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 600 });
+    await this.send("Emulation.setDeviceMetricsOverride", {
+      width,
+      height,
+      deviceScaleFactor: 1,
+      mobile: width < 600,
+    });
     await this.send("Emulation.setEmulatedMedia", {
       features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }],
     });

@@ -83,21 +83,36 @@ mod tests {
 
     #[test]
     fn what_is_needed_comes_first_and_once() {
+        let adds = "/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  return x + c;\n}\n";
+        let both = "import { f } from \"./b-b.js\";\nimport { c } from \"./c.js\";\nf(c);\n";
+        let b = String::from("import { c } from \"./c.js\";\n") + adds;
         let modules = [
-            Module {
-                name: "a.js",
-                text: "import { f } from \"./b-b.js\";\nimport { c } from \"./c.js\";\nf(c);\n",
-            },
-            Module {
-                name: "b-b.js",
-                text: "import { c } from \"./c.js\";\n/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  return x + c;\n}\n",
-            },
+            Module { name: "a.js", text: both },
+            Module { name: "b-b.js", text: b.leak() },
             Module { name: "c.js", text: "export const c = 1;\n" },
         ];
-        let expected = "\"use strict\";\n\
-            const module_c = (() => {\nconst c = 1;\nreturn { c };\n})();\n\
-            const module_b_b = (() => {\nconst { c } = module_c;\nfunction f(x) {\nreturn x + c;\n}\nreturn { f };\n})();\n\
-            const module_a = (() => {\nconst { f } = module_b_b;\nconst { c } = module_c;\nf(c);\nreturn {  };\n})();\n";
+        let lines = [
+            "\"use strict\";",
+            "const module_c = (() => {",
+            "const c = 1;",
+            "return { c };",
+            "})();",
+            "const module_b_b = (() => {",
+            "const { c } = module_c;",
+            "function f(x) {",
+            "return x + c;",
+            "}",
+            "return { f };",
+            "})();",
+            "const module_a = (() => {",
+            "const { f } = module_b_b;",
+            "const { c } = module_c;",
+            "f(c);",
+            "return {  };",
+            "})();",
+            "",
+        ];
+        let expected = lines.join("\n");
         assert_eq!(bundle(&modules, "a.js"), expected);
     }
 }

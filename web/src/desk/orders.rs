@@ -1,0 +1,155 @@
+//! What an operator orders: of the board over its link, and of the simulated rig by hand.
+
+use super::flying::{Flights, Flying};
+use super::tuning::Tuning;
+use super::{Desk, controller};
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::link::{Nonce, ToBoard};
+use twinrotor::real::Real;
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{ArmState, Condition, Request};
+use twinrotor::telemetry::TrialPhase;
+use twinrotor::trial::Attempt;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, Outcome};
+use twinrotor_station::client::Question;
+use twinrotor_station::words;
+
+/// \[ticks\] From one wish for a zero to the next, and for how long at most: a rig swings for a while.
+const ZERO_EVERY: u64 = 1_000;
+const LONGEST_REST: u64 = 60_000;
+
+impl Desk {
+    /// The operator wants something of the supervisor.
+    pub fn request(&mut self, request: Request) {
+        if request == Request::Arm {
+            self.client.aim(PerAxis::zero());
+        }
+        if request == Request::Disarm {
+            (self.flying, self.zeroing) = (None, None);
+        }
+        self.client.request(request);
+    }
+
+    /// To take where the rig lies for its rest pose, as soon as it lies still.
+    pub fn zero(&mut self) {
+        self.client.send(&ToBoard::Zero);
+        self.zeroing = Some(self.ticks);
+    }
+
+    /// A board takes no zero while the rig moves: it is asked again.
+    pub(super) fn zero_again(&mut self) {
+        let Some(begun) = self.zeroing else { return };
+        let wanted = self.frame.is_some_and(|frame| frame.conditions.contains(Condition::NotZeroed));
+        match self.ticks - begun {
+            waited if wanted && waited >= LONGEST_REST => {
+                self.zeroing = None;
+                self.journal.trouble(self.ticks, "not zeroed: the rig does not come to rest");
+            }
+            waited if wanted && waited % ZERO_EVERY == ZERO_EVERY - 1 => {
+                self.client.send(&ToBoard::Zero);
+            }
+            waited if !wanted && waited >= ZERO_EVERY => self.zeroing = None,
+            _ => {}
+        }
+    }
+
+    /// To be there \[rad\]. Ends a scenario.
+    pub fn aim(&mut self, angle: PerAxis<f32>) {
+        self.flying = None;
+        self.client.aim(angle);
+    }
+
+    /// To fly a scenario, from level.
+    ///
+    /// # Errors
+    ///
+    /// If the board is not armed, or would refuse one of its setpoints.
+    pub fn fly(&mut self, scenario: Scenario) -> Outcome<()> {
+        let frame = self.frame.filter(|frame| frame.state == ArmState::Armed);
+        let frame =
+            frame.ok_or_else(|| Error::Unusable("a scenario is flown armed: arm first".to_owned()))?;
+        let limits = &self.parameters.limits;
+        let outside = |reference: &Reference<f32>| twinrotor::conversation::goal::outside(limits, reference);
+        if let Some(refusal) = scenario.references().iter().find_map(outside) {
+            return Err(Error::Unusable(words::refusal(&refusal)));
+        }
+        self.gusts = scenario.disturbance.map_or_else(Vec::new, |_| scenario.disturbances(1));
+        self.client.send(&ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
+        let label = self.tuning.label(frame.controller.trial != TrialPhase::None);
+        self.flying = Some(Flying::new(scenario, label, frame.tick));
+        Ok(())
+    }
+
+    /// Wind: steady \[V\] at each motor, and with or without gusts.
+    ///
+    /// # Errors
+    ///
+    /// Never: scenario 3 is there.
+    pub fn disturb(&mut self, steady: PerMotor<f32>, gusts: bool) -> Outcome<()> {
+        self.disturbance = steady;
+        self.gusts = if gusts { Scenario::named("3")?.disturbances(1) } else { Vec::new() };
+        Ok(())
+    }
+
+    /// A hand at the rig, as volts at each motor; zero lets it go.
+    pub fn push(&mut self, push: PerMotor<f32>) {
+        self.push = push;
+    }
+
+    /// Whether a hand steadies the rig on the ground.
+    pub fn steady(&mut self, steadied: bool) {
+        self.steadied = steadied;
+    }
+
+    /// A fault comes or goes.
+    ///
+    /// # Errors
+    ///
+    /// If there is none of that name.
+    pub fn fault(&mut self, name: &str, present: bool) -> Outcome<()> {
+        let words = self.faults.set(name, present)?;
+        self.faults.apply(&mut self.board, &self.rig, self.supply);
+        self.journal.note(self.ticks, if present { words.to_owned() } else { format!("mended: {words}") });
+        Ok(())
+    }
+
+    /// The draft is tried in flight.
+    pub fn try_draft(&mut self) {
+        self.tuning.try_draft();
+        let attempt = Attempt::new(self.tuning.draft.map(f32::from_f64));
+        self.client.send(&ToBoard::Trial(Nonce::default(), attempt));
+    }
+
+    /// What is tried is kept, or taken back.
+    pub fn judge(&mut self, keep: bool) {
+        self.client.send(&if keep { ToBoard::Accept(Nonce::default()) } else { ToBoard::Revert });
+    }
+
+    /// The accepted controller to flash.
+    pub fn save(&mut self) {
+        self.client.ask(Question::Save, self.now());
+    }
+
+    /// What was flown.
+    #[must_use]
+    pub const fn flights(&self) -> &Flights {
+        &self.flights
+    }
+
+    /// The controllers.
+    pub fn tuning(&mut self) -> &mut Tuning {
+        &mut self.tuning
+    }
+
+    /// The draft becomes the controller of this name.
+    ///
+    /// # Errors
+    ///
+    /// If there is none.
+    pub fn draw(&mut self, name: &str) -> Outcome<()> {
+        let drawn = controller(&self.preset, &self.rig, name)?;
+        self.tuning.draw(name, drawn);
+        Ok(())
+    }
+}
