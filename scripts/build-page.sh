@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds what the page computes with, web/ as WebAssembly, and packs it into target/page/twinrotor.wasm.gz, from
-# which `host-sim page` makes the page:
+# Builds what the page computes with, web/ as WebAssembly, and packs it into target/page/twinrotor.wasm.gz,
+# from which `host-sim page` makes the page:
 #
 #     scripts/build-page.sh && cargo run -p host-sim -- page --out heli.html
 #
@@ -11,7 +11,8 @@ cd "$(dirname "$0")/.."
 toolchain="$(scripts/setup-target.sh wasm32-unknown-unknown)"
 # Vectors of four, which every browser has since 2023 (Safari 16.4): the search's lanes are made of them.
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="-C target-feature=+simd128"
-RUSTUP_TOOLCHAIN="$toolchain" cargo build --quiet --locked --target wasm32-unknown-unknown --profile web -p twinrotor-web
+RUSTUP_TOOLCHAIN="$toolchain" cargo build --quiet --locked --target wasm32-unknown-unknown --profile web \
+  -p twinrotor-web
 mkdir -p target/page
 packed=target/page/twinrotor.wasm.gz
 gzip -9 -n -c target/wasm32-unknown-unknown/web/twinrotor_web.wasm >$packed.new

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, against what the
-# same code gives on this machine. What needs a program that is not here says that it was not run. With a
+# The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, against what
+# the same code gives on this machine. What needs a program that is not here says that it was not run. With a
 # folder as argument, pictures of the page are put there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,7 +14,8 @@ size=$(wc -c <$folder/heli.html)
 cargo run -q -p twinrotor-web --example fingerprints 1000000 >$folder/fingerprints.txt
 cargo run -q -p host-sim -- tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
 
-long=$(find web/page web/tests -name '*.js' -not -path '*/vendor/*' -o -name '*.mjs' | xargs wc -l | awk '$2 != "total" && $1 >= 300')
+long=$(find web/page web/tests -name '*.js' -not -path '*/vendor/*' -o -name '*.mjs' | xargs wc -l |
+  awk '$2 != "total" && $1 >= 300')
 [ -z "$long" ] || { echo "300 lines and more: $long"; exit 1; }
 
 if ! command -v node >/dev/null; then

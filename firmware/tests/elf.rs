@@ -205,7 +205,8 @@ fn no_soft_double_no_float_formatting_no_allocator() {
     assert!(found.is_empty(), "{found:?}");
 }
 
-/// A rig that the board computes is made in double precision, in the thread, and moved in single, in the tick.
+/// A rig that the board computes is made in double precision, in the thread, and moved in single, in the
+/// tick.
 #[test]
 #[cfg_attr(not(feature = "elf-tests"), ignore = "reads the ELF: cargo fw-f405-sim, then cargo fw-test")]
 fn a_simulated_rig_has_no_soft_double_in_the_tick_and_keeps_its_budget() {

@@ -184,9 +184,9 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
 pub struct ReadyBoard(ControlLoop);
 
 impl ReadyBoard {
-    /// For encoders that show `counters` \[counts\] and a supply \[V\]: zeroed there, and to be armed by the first
-    /// tick. Its envelope is as wide as it goes, and its reference jumps to the first setpoint instead of
-    /// approaching it.
+    /// For encoders that show `counters` \[counts\] and a supply \[V\]: zeroed there, and to be armed by the
+    /// first tick. Its envelope is as wide as it goes, and its reference jumps to the first setpoint instead
+    /// of approaching it.
     pub fn new(hardware: &Hardware, settings: &Settings<f32>, bench: &Bench<f32>) -> Self {
         let parameters = Parameters {
             settings: *settings,

@@ -1,9 +1,9 @@
-//! ES modules as one script: each becomes a function that gives what it exports. A page opened from a file may
-//! not load modules of its own.
+//! ES modules as one script: each becomes a function that gives what it exports. A page opened from a file
+//! may not load modules of its own.
 //!
-//! The page's modules keep to the little that this reads: `import { a, b } from "./x.js";`, and `export` before
-//! a `class`, `const`, `function` or `async function`, both at the beginning of a line. Comments that are lines
-//! of their own are left out.
+//! The page's modules keep to the little that this reads: `import { a, b } from "./x.js";`, and `export`
+//! before a `class`, `const`, `function` or `async function`, both at the beginning of a line. Comments that
+//! are lines of their own are left out.
 
 use std::collections::BTreeSet;
 
@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn what_is_needed_comes_first_and_once() {
-        let adds = "/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  return x + c;\n}\n";
+        let adds = "/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  \
+                    return x + c;\n}\n";
         let both = "import { f } from \"./b-b.js\";\nimport { c } from \"./c.js\";\nf(c);\n";
         let b = String::from("import { c } from \"./c.js\";\n") + adds;
         let modules = [

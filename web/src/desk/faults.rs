@@ -84,7 +84,8 @@ impl Present {
         ALL.iter().map(|&(name, (fault, words))| Listed { name, words, present: self.has(fault) }).collect()
     }
 
-    /// Puts them into the rig, whose `supply` \[V\] is as it should be, and its board. The line is not theirs.
+    /// Puts them into the rig, whose `supply` \[V\] is as it should be, and its board. The line is not
+    /// theirs.
     pub fn apply(&self, board: &mut SimulatedBoard, rig: &Rig, supply: f32) {
         let has = |fault| self.has(fault);
         board.rig.bench.faults = Faults {
