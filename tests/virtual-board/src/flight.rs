@@ -78,7 +78,7 @@ fn wait(station: &mut Station, milliseconds: u64, told: &mut impl FnMut(&Frame))
 }
 
 /// Flies a scenario on a board that hovers level. Its telemetry becomes the flight: what the board believed,
-/// not what the simulated rig knew. What befalls the rig does so every [`SETPOINT_EVERY`] ms.
+/// not what the simulated rig knew. What befalls the rig does so every `SETPOINT_EVERY` ms.
 ///
 /// # Errors
 ///
