@@ -58,7 +58,11 @@ def test_an_exception_in_progress_ends_the_search() -> None:
 
 
 def test_ctrl_c_ends_a_search_within_a_second() -> None:
-    text = "import twinrotor as t; print('begun', flush=True); t.tune_robust('heli', plants=999)"
+    text = (
+        # A shell's job in the background is begun with Ctrl-C ignored.
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
+        "import twinrotor as t; print('begun', flush=True); t.tune_robust('heli', plants=999)"
+    )
     process = subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None and process.stdout.readline() == b"begun\n"
     time.sleep(0.5)
