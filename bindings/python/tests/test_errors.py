@@ -68,7 +68,10 @@ def test_ctrl_c_ends_a_search_within_a_second() -> None:
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     begun = time.monotonic()
-    _, stderr = process.communicate(timeout=20)
+    try:
+        _, stderr = process.communicate(timeout=20)
+    finally:
+        process.kill()
     # A second, and as much again where other work keeps the machine busy.
     assert time.monotonic() - begun < 2.0
     assert b"KeyboardInterrupt" in stderr
