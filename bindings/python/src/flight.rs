@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use serde::Serialize;
 use twinrotor::axes::PerAxis;
 use twinrotor_sim::Error;
-use twinrotor_sim::flight::{self, BoardState, Fidelity, Flight, Moment, Plan, Reading, Scalar};
+use twinrotor_sim::flight::{self, BoardState, Fidelity, Flight, Moment, Plan, Scalar};
 use twinrotor_sim::metrics::Report;
 
 pub(crate) const FIDELITIES: [(&str, Fidelity); 2] = [("ideal", Fidelity::Ideal), ("rig", Fidelity::Rig)];
@@ -21,21 +21,6 @@ struct Document {
     board: Option<BoardState>,
     left_envelope: Option<Moment>,
 }
-
-/// The columns, SI units, with the names of `host-sim simulate --csv`.
-const COLUMNS: [(&str, Reading); 11] = [
-    ("t", |r| (r.time * 1e6).round() / 1e6),
-    ("theta", |r| r.state.angle.pitch),
-    ("theta_dot", |r| r.state.rate.pitch),
-    ("psi", |r| r.state.angle.yaw),
-    ("psi_dot", |r| r.state.rate.yaw),
-    ("theta_ref", |r| r.reference.pitch),
-    ("psi_ref", |r| r.reference.yaw),
-    ("v_main", |r| r.volts.main),
-    ("v_tail", |r| r.volts.tail),
-    ("dist_main", |r| r.disturbance.main),
-    ("dist_tail", |r| r.disturbance.tail),
-];
 
 /// Flies a scenario: its columns and its report.
 #[pyfunction]
@@ -82,7 +67,7 @@ pub(crate) fn simulate<'py>(
         })
         .map_err(|error| raised(&error))?;
     let columns = PyDict::new(py);
-    for (name, of) in COLUMNS {
+    for (name, of) in flight::COLUMNS {
         columns.set_item(name, PyArray1::from_iter(py, flown.rows.iter().map(of)))?;
     }
     let Flight { report, board, left_envelope, .. } = flown;

@@ -4,7 +4,18 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Faults, Injection};
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::{Refusal, ResetReport};
-use twinrotor::supervisor::{Condition, Conditions};
+use twinrotor::supervisor::{ArmState, Condition, Conditions};
+
+/// A state in a word.
+pub const fn state(state: ArmState) -> &'static str {
+    match state {
+        ArmState::Disarmed => "disarmed",
+        ArmState::Ready => "ready",
+        ArmState::Checking => "checking",
+        ArmState::Armed => "armed",
+        ArmState::Fault(_) => "fault",
+    }
+}
 
 /// What is wrong, and where it helps what to do.
 pub const fn condition(condition: Condition) -> &'static str {

@@ -2,7 +2,6 @@
 
 use super::export::{Column, Table};
 use twinrotor::SAMPLE_TIME;
-use twinrotor::supervisor::ArmState;
 use twinrotor::telemetry::{Frame, Kept, TrialPhase};
 
 /// Where telemetry has gaps.
@@ -74,7 +73,7 @@ pub fn table(frames: &[Frame], every: u16) -> Table {
     let mut words = |name: &str, of: &dyn Fn(&Frame) -> &'static str| {
         table.push(name, Column::Words(frames.iter().map(|frame| of(frame).to_owned()).collect()));
     };
-    words("state", &|frame| state(frame.state));
+    words("state", &|frame| twinrotor_station::words::state(frame.state));
     words("trial", &|frame| trial(frame.controller.trial));
     words("controller", &|frame| match frame.controller.accepted {
         Kept::Stored => "stored",
@@ -90,18 +89,6 @@ const fn trial(phase: TrialPhase) -> &'static str {
         TrialPhase::FadingIn => "fading-in",
         TrialPhase::Flying => "flying",
         TrialPhase::FadingOut => "fading-out",
-    }
-}
-
-/// A state in a word.
-#[must_use]
-pub const fn state(state: ArmState) -> &'static str {
-    match state {
-        ArmState::Disarmed => "disarmed",
-        ArmState::Ready => "ready",
-        ArmState::Checking => "checking",
-        ArmState::Armed => "armed",
-        ArmState::Fault(_) => "fault",
     }
 }
 

@@ -241,7 +241,7 @@ impl Desk {
                 ArmState::Fault(cause) => {
                     self.journal.trouble(self.ticks, format!("motors off: {}", words::condition(cause)));
                 }
-                state => self.journal.note(self.ticks, status::state(state)),
+                state => self.journal.note(self.ticks, words::state(state)),
             }
         }
         let (was, is) = (before.controller.trial, now.controller.trial);

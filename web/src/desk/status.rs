@@ -112,7 +112,7 @@ impl Desk {
             volts_limit: self.rig.volts_limit,
             firmware: self.identity.as_ref().map(|identity| identity.firmware.to_string()),
             silent: self.ticks > self.heard + SILENT,
-            state: if known { state(frame.state) } else { "connecting" },
+            state: if known { words::state(frame.state) } else { "connecting" },
             cause: match frame.state {
                 ArmState::Fault(cause) => Some(words::condition(cause)),
                 _ => None,
@@ -190,17 +190,6 @@ fn next(frame: &Frame) -> Option<&'static str> {
         ArmState::Disarmed if has(Condition::NotChecked) => Some("check"),
         ArmState::Disarmed if has(Condition::NotZeroed) => Some("zero"),
         _ => None,
-    }
-}
-
-/// A state's name on the page.
-pub(super) const fn state(state: ArmState) -> &'static str {
-    match state {
-        ArmState::Disarmed => "disarmed",
-        ArmState::Ready => "ready",
-        ArmState::Checking => "checking",
-        ArmState::Armed => "armed",
-        ArmState::Fault(_) => "fault",
     }
 }
 

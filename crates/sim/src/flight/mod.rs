@@ -80,6 +80,21 @@ pub struct Row {
 /// What is read off a row.
 pub type Reading = fn(&Row) -> f64;
 
+/// A flight as columns, SI units: those of `simulate --csv`.
+pub const COLUMNS: [(&str, Reading); 11] = [
+    ("t", |r| (r.time * 1e6).round() / 1e6),
+    ("theta", |r| r.state.angle.pitch),
+    ("theta_dot", |r| r.state.rate.pitch),
+    ("psi", |r| r.state.angle.yaw),
+    ("psi_dot", |r| r.state.rate.yaw),
+    ("theta_ref", |r| r.reference.pitch),
+    ("psi_ref", |r| r.reference.yaw),
+    ("v_main", |r| r.volts.main),
+    ("v_tail", |r| r.volts.tail),
+    ("dist_main", |r| r.disturbance.main),
+    ("dist_tail", |r| r.disturbance.tail),
+];
+
 /// A flight.
 #[derive(Debug, Clone)]
 pub struct Flight {

@@ -1,7 +1,6 @@
 //! A session at its line, until it is over, whatever happens.
 
 use super::ask::Question;
-use crate::files::recording::state;
 use crate::line::Line;
 use crate::stop;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,6 +14,7 @@ use twinrotor_station::Client;
 use twinrotor_station::differences::Difference;
 use twinrotor_station::session::{End, Ending, Event, Session};
 use twinrotor_station::switch_off::SwitchOff;
+use twinrotor_station::words;
 
 /// \[ticks\] From one line of progress to the next.
 const PROGRESS_EVERY: u32 = 100;
@@ -154,7 +154,7 @@ impl Desk {
             self.bar.set_message(format!(
                 "{:9.1} s  {:9}  pitch {:7.2}°  yaw {:7.2}°  worst error {:.2}° {:.2}°",
                 f64::from(frame.tick) * SAMPLE_TIME,
-                state(frame.state),
+                words::state(frame.state),
                 degrees(frame.angle.pitch),
                 degrees(frame.angle.yaw),
                 degrees(self.worst.pitch),

@@ -7,7 +7,7 @@ mod formats;
 use crate::error::{Failure, Outcome};
 use std::fmt::Write;
 use std::path::Path;
-use twinrotor_sim::flight::{Reading, Row};
+use twinrotor_sim::flight::{COLUMNS, Row};
 
 /// One column.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,21 +61,8 @@ fn failed(path: &Path, error: impl std::fmt::Display) -> Failure {
 impl Table {
     /// A flight, SI units, the columns of `simulate --csv`.
     pub fn of_flight(rows: &[Row]) -> Self {
-        let columns: [(&str, Reading); 11] = [
-            ("t", |r| (r.time * 1e6).round() / 1e6),
-            ("theta", |r| r.state.angle.pitch),
-            ("theta_dot", |r| r.state.rate.pitch),
-            ("psi", |r| r.state.angle.yaw),
-            ("psi_dot", |r| r.state.rate.yaw),
-            ("theta_ref", |r| r.reference.pitch),
-            ("psi_ref", |r| r.reference.yaw),
-            ("v_main", |r| r.volts.main),
-            ("v_tail", |r| r.volts.tail),
-            ("dist_main", |r| r.disturbance.main),
-            ("dist_tail", |r| r.disturbance.tail),
-        ];
         let mut table = Self::default();
-        for (name, of) in columns {
+        for (name, of) in COLUMNS {
             table.push(name, Column::Numbers(rows.iter().map(of).collect()));
         }
         table
