@@ -12,6 +12,7 @@ mod compare;
 mod flash;
 mod fly;
 mod identify;
+mod manual;
 mod margins;
 mod page;
 mod pareto;
@@ -41,6 +42,9 @@ Begin with:  host-sim tune, host-sim fly
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Print tables as lines with tabs between columns, for other programs
+    #[arg(long, global = true)]
+    plain: bool,
 }
 
 /// In the order in which people need them.
@@ -72,6 +76,8 @@ enum Command {
     BenchTuners(bench_tuners::Args),
     /// How fast this machine is: closed-loop steps a second on one core
     Bench(bench::Args),
+    /// Manual pages, and completions for shells
+    Manual(manual::Args),
 }
 
 /// Runs what was typed.
@@ -81,6 +87,7 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
+    tables::choose(cli.plain);
     let outcome = match cli.command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
@@ -95,6 +102,7 @@ pub fn main() -> ExitCode {
         Command::Flash(args) => flash::run(&args),
         Command::Fly(args) => fly::run(&args),
         Command::Page(args) => page::run(&args),
+        Command::Manual(args) => manual::run(&args, Cli::command()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

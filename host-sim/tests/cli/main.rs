@@ -4,6 +4,7 @@ mod files;
 mod flights;
 mod lies;
 mod logs;
+mod manual;
 mod panics;
 mod searches;
 mod stopping;
