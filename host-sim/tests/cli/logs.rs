@@ -3,8 +3,8 @@
 use super::{host_sim, json};
 use serde_json::Value;
 
-/// `simulate --log` writes what encoders show, whole counts beside the true angle, in names that `identify` and
-/// `replay` read; where there are no encoders there is no log.
+/// `simulate --log` writes what encoders show, whole counts beside the true angle, in names that `identify`
+/// and `replay` read; where there are no encoders there is no log.
 #[test]
 fn a_log_is_what_a_rig_would_tell() {
     let folder = tempfile::tempdir().unwrap();

@@ -46,7 +46,8 @@ fn the_documents_commands_are_the_programs() {
     assert!(written == text, "docs/commands.md is out of date: run this test with TWINROTOR_RENEW=1");
 }
 
-/// A page and a completion for each shell, of the program as it is; whoever lacks them is told how to get them.
+/// A page and a completion for each shell, of the program as it is; whoever lacks them is told how to get
+/// them.
 #[test]
 fn manual_pages_and_completions_are_written() {
     let folder = tempfile::tempdir().unwrap();
