@@ -34,6 +34,8 @@ pub struct Panel {
     pub bands: Vec<Band>,
     /// What is drawn, first at the bottom.
     pub lines: Vec<Line>,
+    /// Words beside points of the axes, above everything.
+    pub labels: Vec<(f64, f64, String)>,
     /// Horizontal lines, such as limits.
     pub limits: Vec<f64>,
     /// Powers of ten on the vertical axis; what is not above zero is left out.
@@ -240,6 +242,12 @@ impl Panel {
         }
         for line in &self.lines {
             line.draw(&mut chart, |y| self.drawn(y))?;
+        }
+        let small = ("sans-serif", 12).into_text_style(&area).color(&SOFT);
+        for (x, y, text) in &self.labels {
+            let beside =
+                EmptyElement::at((*x, self.drawn(*y))) + Text::new(text.clone(), (6, -13), small.clone());
+            chart.draw_series(std::iter::once(beside))?;
         }
         self.draw_legend(&legend, layout)
     }
