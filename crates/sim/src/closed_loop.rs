@@ -164,6 +164,13 @@ impl<R: Real> RigLoop<R> {
     }
 }
 
+impl<R: Real> RigLoop<R> {
+    /// See [`Pipeline::warm`].
+    pub fn warm(&mut self, share: R) {
+        self.pipeline.warm(share);
+    }
+}
+
 impl<R: Real> ClosedLoop<R> for RigLoop<R> {
     #[inline(always)]
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
@@ -278,6 +285,11 @@ impl BoardLoop {
         let bench = Bench::new(plant, hardware);
         let scale = encoder_scale(hardware, &bench);
         Self { bench, scale, supply: bench.supply, board: ReadyBoard::new(hardware, settings, &bench) }
+    }
+
+    /// See [`Pipeline::warm`].
+    pub fn warm(&mut self, share: f32) {
+        self.board.0.warm(share);
     }
 
     /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that

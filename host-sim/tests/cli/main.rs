@@ -6,6 +6,7 @@ mod lies;
 mod logs;
 mod manual;
 mod panics;
+mod robust;
 mod searches;
 mod stopping;
 
@@ -146,6 +147,7 @@ fn a_flag_without_effect_is_refused_in_one_line() {
         ("--start", "nowhere.toml"),
         ("--parameters", "yaw"),
         ("--at-most", "overshoot_p95.yaw=0"),
+        ("--scenes", "step"),
         ("--plants", "7"),
         ("--spread", ".1"),
         ("--lag-spread", ".1"),
