@@ -1,7 +1,11 @@
 //! `fly` as people use it: the same flight at a simulated board, over TCP and at a pseudo-terminal, and what
 //! comes of bad luck: a sentence, an exit status, and never a motor left turning.
 
+#[cfg(feature = "formats")]
+mod records;
 mod served;
+#[cfg(target_os = "linux")]
+mod terminal;
 
 use serde_json::Value;
 use served::{Mishap, Served};
@@ -88,6 +92,7 @@ fn bad_luck_is_told_and_leaves_no_motor_turning() {
         (Mishap::Echo, 1, "hands back what is sent to it"),
         (Mishap::Old, 1, "update the board's firmware"),
         (Mishap::Flood, 1, "that are no messages"),
+        (Mishap::Drown, 1, "has fallen silent; Disarm was sent again and again, and the board was NOT seen"),
         (Mishap::Mute, 1, "has fallen silent; Disarm was sent again and again, and the board was NOT seen"),
         (Mishap::Cut, 1, "was NOT seen to switch its motors off"),
         (Mishap::Reset, 3, "the board was reset"),
@@ -153,6 +158,32 @@ mod unix {
         assert!(told(&output).contains("full.csv: cannot be written"), "{}", told(&output));
         assert!(String::from_utf8_lossy(&output.stdout).contains("flown less simulated"), "all else is told");
         assert!(!board.turns());
+    }
+
+    /// The first program has the port; the second one is told so, and the flight goes on.
+    #[test]
+    fn a_port_that_another_program_has_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let long = "duration = 20.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = []\n";
+        fs::write(folder.path().join("long.toml"), long).unwrap();
+        let board = Served::at_a_terminal();
+        let mut first = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+            .args(["fly", "--port", &board.port, "--yes", "--scenario", "long.toml"])
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(first.stdout.take().unwrap());
+        let mut shown = String::new();
+        while !shown.contains("flying") {
+            assert!(lines.read_line(&mut shown).unwrap() > 0, "{shown}");
+        }
+        let second = fly(folder.path(), &["--port", &board.port, "--yes"]);
+        assert_eq!(second.status.code(), Some(1), "{}", told(&second));
+        assert!(told(&second).contains("cannot be opened"), "{}", told(&second));
+        lines.read_to_string(&mut shown).unwrap();
+        assert!(first.wait().unwrap().success(), "{shown}");
+        assert!(shown.contains("flown less simulated") && !board.turns(), "{shown}");
     }
 
     /// Twice, so that the second one does not skip the disarming.
