@@ -98,7 +98,6 @@ pub const RIG: &[Plausible<Rig>] = plausible! {
         |rig| Some(f64::from(rig.encoder_counts.pitch));
     "encoder_counts.yaw": 16.0..=1000000.0 "counts a revolution",
         |rig| Some(f64::from(rig.encoder_counts.yaw));
-    "pwm_steps": 16.0..=65535.0 "steps", |rig| Some(f64::from(rig.pwm_steps));
     "rest_angle.pitch": -1.5707964..=1.5707964 "rad" or DEG "degrees" or 1e-3 "mrad",
         |rig| Some(rig.rest_angle.pitch);
     "rest_angle.yaw": -6.283186..=6.283186 "rad" or DEG "degrees" or 1e-3 "mrad",

@@ -263,6 +263,56 @@ fn gains_are_tried_in_flight_shown_side_by_side_and_kept_if_that_is_wanted() {
     assert!(!text.contains("saved"));
 }
 
+/// What a scenario's file injects is what `--inject` does, to the tick; nobody else takes such a file.
+#[test]
+fn a_scenario_injects_what_the_flag_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let calm = "duration = 5.0\n[pitch.steps]\njumps = [[0.5, 8], [2.5, -8]]\n[yaw.steps]\njumps = []\n";
+    fs::write(folder.path().join("calm.toml"), calm).unwrap();
+    fs::write(folder.path().join("stuck.toml"), format!("inject = [\"stuck-pitch@2\"]\n{calm}")).unwrap();
+    let by_file = fly(folder.path(), &["--scenario", "stuck.toml", "--json"]);
+    let by_flag = fly(folder.path(), &["--scenario", "calm.toml", "--inject", "stuck-pitch@2", "--json"]);
+    for output in [&by_file, &by_flag] {
+        assert_eq!(output.status.code(), Some(3), "{}", told(output));
+        assert!(told(output).contains("the pitch encoder does not show the motion"), "{}", told(output));
+    }
+    let (by_file, by_flag) = (json(&by_file), json(&by_flag));
+    for field in ["frames", "verified_ticks", "flown", "why"] {
+        assert_eq!(by_file[field], by_flag[field], "{field}");
+    }
+    assert!(by_file["verified_ticks"].as_u64().unwrap() > 3_000, "{by_file}");
+    for (text, sentence) in [
+        ("[\"stuck-roll@2\"]", "allowed: stuck-AXIS"),
+        ("[\"stop@5\"]", "inject is 5; allowed: before the scenario's end at 5 s"),
+    ] {
+        fs::write(folder.path().join("bad.toml"), format!("inject = {text}\n{calm}")).unwrap();
+        let output = fly(folder.path(), &["--scenario", "bad.toml"]);
+        assert!(output.status.code() == Some(2) && told(&output).contains(sentence), "{}", told(&output));
+    }
+    let simulate = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["simulate", "--scenario", "stuck.toml", "--fidelity", "rig"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(simulate.status.code() == Some(2) && told(&simulate).contains("no board flies here"));
+}
+
+/// A board of 100 MHz has fewer steps of the PWM: another flight, and the host's own all the same.
+#[test]
+fn each_board_flies_with_its_own_pwm() {
+    let folder = tempfile::tempdir().unwrap();
+    let fly_at = |board: &str| json(&fly(folder.path(), &["--board", board, "--json"]));
+    let (f405, f446, f411) = (fly_at("f405"), fly_at("nucleo-f446"), fly_at("nucleo-f411"));
+    assert!([&f405, &f446, &f411].iter().all(|f| f["verified_ticks"].as_u64().unwrap() > 6_000));
+    assert_eq!(f405["flown"], f446["flown"]);
+    assert_ne!(f405["flown"], f411["flown"]);
+    assert_ne!(f405["simulated"], f411["simulated"]);
+    let refused = fly(folder.path(), &["--board", "f103"]);
+    assert!(
+        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, nucleo-f411, nucleo-f446")
+    );
+}
+
 /// The simulated board's rig is pushed while the scenario runs, a real one never.
 #[test]
 fn a_scenario_befalls_the_simulated_rig_and_leaves_a_real_one_alone() {

@@ -234,8 +234,9 @@ mod tests {
     fn desk(panics_in_flight: bool) -> (Desk, Rc<RefCell<Simulated>>) {
         let settings = Settings::new(&AERO2, defaults::AERO2, SAMPLE_TIME);
         let parameters = Parameters { checked: true, ..Parameters::new(&AERO2, &settings) };
-        let board = Rc::new(RefCell::new(Simulated::new(&parameters, false).unwrap()));
+        let board = Rc::new(RefCell::new(Simulated::new(AERO2.board, &parameters, false).unwrap()));
         let plan = Plan {
+            board: AERO2.board,
             parameters,
             write: Write::Never,
             ask: false,
