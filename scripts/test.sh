@@ -15,5 +15,6 @@ stage "firmware, sign and magnitude" firmware --features sign-magnitude --target
 stage "firmware, for bootstrapped bridges" firmware --features bootstrap --target-dir target/bootstrap
 stage "firmware, for a debugger" firmware --features debug --target-dir target/debug-build
 stage "firmware, with a simulated rig" env RUSTUP_TOOLCHAIN="$toolchain" cargo fw-f405-sim
+stage "the same for a Nucleo-F446RE" env RUSTUP_TOOLCHAIN="$toolchain" cargo fw-nucleo-f446-sim
 stage "tests of the firmware as a file" cargo fw-test
 stage "tests on the virtual board" cargo board-test

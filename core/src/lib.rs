@@ -131,6 +131,7 @@ pub mod law;
 pub mod allocation;
 pub mod lead;
 
+pub mod board;
 pub mod drive;
 
 pub mod telemetry;

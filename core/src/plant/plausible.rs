@@ -147,9 +147,6 @@ pub const RIG: &[Plausible<Rig>] = plausible! {
     "encoder_counts.yaw": 16.0..=1000000.0 "counts a revolution",
         "all four edges counted",
         |rig| Some(f64::from(rig.encoder_counts.yaw));
-    "pwm_steps": 16.0..=65535.0 "steps",
-        "of the PWM between zero and full voltage",
-        |rig| Some(f64::from(rig.pwm_steps));
     "rest_angle.pitch": -1.5707964..=1.5707964 "rad" or DEG "degrees" or 1e-3 "mrad",
         "where it lies with the motors off, from the horizontal",
         |rig| Some(rig.rest_angle.pitch);

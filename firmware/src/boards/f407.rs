@@ -1,11 +1,11 @@
 //! Any board with an STM32F407VG and a crystal of 8 MHz that leaves these pins free.
 
 use super::{Board, Button, Clocks, Source};
+use twinrotor::board;
 
 /// This board.
 pub(crate) const BOARD: Board = Board {
-    name: "f407",
-    chip: "stm32f407vg",
+    known: &board::F407,
     probe_chip: "STM32F407VGTx",
     // 168 MHz core, 42 and 84 MHz buses, 84 and 168 MHz timers.
     clocks: Clocks {
