@@ -3,6 +3,8 @@
 
 mod base85;
 mod bundle;
+#[cfg(feature = "monitor")]
+pub mod served;
 
 use bundle::Module;
 
@@ -13,10 +15,12 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 17] = modules![
+const MODULES: [Module; 21] = modules![
     "app.js",
+    "attempt.js",
     "base85.js",
     "clock.js",
+    "control.js",
     "dom.js",
     "flights.js",
     "helicopter.js",
@@ -27,7 +31,9 @@ const MODULES: [Module; 17] = modules![
     "mesh.js",
     "plots.js",
     "rig.js",
+    "search.js",
     "settings.js",
+    "socket.js",
     "steps.js",
     "tuner.js",
     "tuner-worker.js",
@@ -52,22 +58,34 @@ pub fn is_packed(bytes: &[u8]) -> bool {
 /// The page around `module`, which is packed.
 #[must_use]
 pub fn page(module: &[u8]) -> String {
-    let plot = format!("/* uPlot\n{}*/\n{PLOT}", PLOT_LICENCE.trim_end());
     let parts = [
-        ("/*STYLE*/", format!("{PLOT_STYLE}\n{}", flush(STYLE))),
+        ("/*STYLE*/", style()),
         ("/*WASM*/", base85::encode(module)),
         ("/*WORKER*/", bundle::bundle(&MODULES, "tuner-worker.js")),
-        ("/*UPLOT*/", plot),
+        ("/*UPLOT*/", plot()),
         ("/*APP*/", bundle::bundle(&MODULES, "app.js")),
     ];
-    let whole = flush(PAGE);
-    let mut rest = whole.as_str();
+    filled(&flush(PAGE), &parts)
+}
+
+/// uPlot with its licence.
+fn plot() -> String {
+    format!("/* uPlot\n{}*/\n{PLOT}", PLOT_LICENCE.trim_end())
+}
+
+fn style() -> String {
+    format!("{PLOT_STYLE}\n{}", flush(STYLE))
+}
+
+/// A text with each part in the place of its mark.
+fn filled(whole: &str, parts: &[(&str, String)]) -> String {
+    let mut rest = whole;
     let mut page = String::new();
     for (mark, part) in parts {
         let (before, after) =
             rest.split_once(mark).expect("the page has a place for each part, in this order");
         page.push_str(before);
-        page.push_str(&part);
+        page.push_str(part);
         rest = after;
     }
     page + rest
