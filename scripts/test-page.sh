@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, against what
-# the same code gives on this machine. What needs a program that is not here says that it was not run. With a
-# folder as argument, pictures of the page are put there.
+# the same code gives on this machine; then as `host-sim monitor` serves it. What needs a program that is not
+# here says that it was not run. With a folder as argument, pictures of the page are put there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=target/page
@@ -29,3 +29,5 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
+cargo build -q -p host-sim --features monitor
+node web/tests/monitor.mjs target/debug/host-sim 60 "${1:-}"

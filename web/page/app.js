@@ -18,7 +18,7 @@ import { Socket } from "./socket.js";
 import { Steps } from "./steps.js";
 import { Tuner } from "./tuner.js";
 
-/** How often words are renewed, in ms; where a program has the board it hears by that that somebody is here. */
+/** How often words are renewed, in ms; a program that has the board hears by that that somebody is here. */
 const WORDS_EVERY = 100;
 /** How often plots are redrawn, in ms. */
 const PLOTS_EVERY = 30;

@@ -1,6 +1,6 @@
 // @ts-check
-// The program that has served the page, asked over a socket: its board is at a line, or simulated there. Where
-// the socket breaks, it is opened again as long as the page is there.
+// The program that has served the page, asked over a socket: its board is at a line, or simulated there.
+// Where the socket breaks, it is opened again as long as the page is there.
 
 /** @typedef {import("./machine.js").Request} Request */
 /** @typedef {import("./machine.js").Machine} Machine */

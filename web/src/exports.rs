@@ -1,5 +1,5 @@
-//! What JavaScript calls: JSON in the buffer that `input` gives, `ask`, JSON in the buffer at `output`. `advance`
-//! lets simulated time pass and leaves rows of `f32` at `samples`.
+//! What JavaScript calls: JSON in the buffer that `input` gives, `ask`, JSON in the buffer at `output`.
+//! `advance` lets simulated time pass and leaves rows of `f32` at `samples`.
 
 use crate::page::Page;
 use crate::request;
@@ -40,8 +40,8 @@ pub extern "C" fn output() -> *const u8 {
     OUTPUT.with_borrow(|output| output.as_ptr())
 }
 
-/// Lets so many ticks of simulated time pass. Gives how many rows of [`crate::desk::samples::COLUMNS`] numbers there
-/// are for them.
+/// Lets so many ticks of simulated time pass. Gives how many rows of numbers there are for them, each of
+/// [`crate::desk::samples::COLUMNS`].
 #[expect(unsafe_code, reason = "the name by which JavaScript calls it, once in the module")]
 #[unsafe(no_mangle)]
 pub extern "C" fn advance(ticks: u32) -> u32 {

@@ -20,7 +20,8 @@ pub(super) struct Args {
 #[cfg(not(feature = "monitor"))]
 pub(super) fn run(_: &Args) -> Outcome<()> {
     Err(crate::error::Failure::Input(
-        "monitor is not in this build, to keep it small; type: cargo run -p host-sim --features monitor -- monitor"
+        "monitor is not in this build, to keep it small; type: cargo run -p host-sim --features monitor -- \
+         monitor"
             .to_owned(),
     ))
 }

@@ -1,6 +1,6 @@
-//! The page, served, with a board behind it: `host-sim monitor`. The page is the one that `host-sim page` writes;
-//! what it asks its own module there it asks here over a socket, of the same code, and the board is at a line or
-//! simulated here.
+//! The page, served, with a board behind it: `host-sim monitor`. The page is the one that `host-sim page`
+//! writes; what it asks its own module there it asks here over a socket, of the same code, and the board is
+//! at a line or simulated here.
 
 mod door;
 mod http;
@@ -67,8 +67,8 @@ impl Monitor {
         self.door.url()
     }
 
-    /// Until a signal asks to stop; then the motors are switched off. Whether that was seen, or nothing if none
-    /// could have turned.
+    /// Until a signal asks to stop; then the motors are switched off. Whether that was seen, or nothing if
+    /// none could have turned.
     ///
     /// # Errors
     ///

@@ -1,5 +1,5 @@
-//! Where the board is: its line, its operator's desk, and the pages that look at it. One of them controls. If it
-//! is closed or says nothing for a second while motors may turn, they are switched off.
+//! Where the board is: its line, its operator's desk, and the pages that look at it. One of them controls. If
+//! it is closed or says nothing for more than a second while motors may turn, they are switched off.
 
 use crate::line::{self, Line};
 use crate::stop;
@@ -14,8 +14,8 @@ use twinrotor_web::desk::Desk;
 use twinrotor_web::request::{self, Request};
 
 /// How long the page that controls may say nothing while motors may turn. It says something ten times a
-/// second.
-const HEARTBEAT: Duration = Duration::from_secs(1);
+/// second; what else it takes to switch them off must be done within 1.5 s.
+const HEARTBEAT: Duration = Duration::from_millis(1_200);
 /// From one word to switch the motors off to the next.
 const AGAIN: Duration = Duration::from_millis(20);
 /// From one packet of samples to the next.
@@ -60,8 +60,9 @@ pub(super) struct Room {
     way: Way,
     visitors: BTreeMap<u64, SyncSender<Told>>,
     control: Option<u64>,
-    /// When the page that controls was heard last.
-    heard: Instant,
+    /// When the page that controls was heard last; nothing until it asks something of the desk for the first
+    /// time, which is when it is ready to show it.
+    heard: Option<Instant>,
     /// Motors off is being said, next then.
     cutting: Option<Instant>,
     rows: Vec<f32>,
@@ -88,7 +89,7 @@ impl Room {
             way,
             visitors: BTreeMap::new(),
             control: None,
-            heard: now,
+            heard: None,
             cutting: None,
             rows: Vec::new(),
             packet: now,
@@ -137,9 +138,11 @@ impl Room {
                     self.tell_control();
                 }
             }
-            Ask::Alive(id) => self.hear(id),
+            Ask::Alive(id) if self.heard.is_some() => self.hear(id),
+            Ask::Alive(_) => {}
             Ask::Take(id, number) => {
                 self.give_control(Some(id));
+                self.heard = Some(Instant::now());
                 self.tell(id, Told::Text(numbered(&number, json!({ "ok": null }))));
             }
             Ask::Say(id, number, request) => {
@@ -161,7 +164,7 @@ impl Room {
 
     fn hear(&mut self, id: u64) {
         if self.control == Some(id) {
-            self.heard = Instant::now();
+            self.heard = Some(Instant::now());
         }
     }
 
@@ -178,7 +181,7 @@ impl Room {
 
     fn give_control(&mut self, id: Option<u64>) {
         self.control = id;
-        self.heard = Instant::now();
+        self.heard = None;
         self.tell_control();
     }
 
@@ -211,8 +214,8 @@ impl Room {
 
     /// Is the page that controls still there? And have the motors gone off that were to?
     fn watch_over(&mut self) {
-        if self.control.is_some() && self.heard.elapsed() > HEARTBEAT {
-            self.cut("the page that controls was not heard for a second: motors off");
+        if self.heard.is_some_and(|heard| heard.elapsed() > HEARTBEAT) {
+            self.cut("the page that controls was not heard for more than a second: motors off");
         }
         let Some(next) = self.cutting else { return };
         if !self.desk.motors_may_turn() {

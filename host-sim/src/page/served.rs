@@ -1,5 +1,5 @@
-//! The page as a program serves it: the same parts as files beside each other, so that nothing in it is a script
-//! by itself. It asks the program what the page from a file asks its own module.
+//! The page as a program serves it: the same parts as files beside each other, so that nothing in it is a
+//! script by itself. It asks the program what the page from a file asks its own module.
 
 use super::{MODULES, PAGE, bundle, filled, flush, plot, style};
 

@@ -173,8 +173,8 @@ impl Desk {
     /// What to do about a board that was heard, and is not any more.
     pub(super) fn quiet(&self) -> Option<String> {
         let heard = self.frame.is_some() && self.ticks > self.heard + QUIET;
-        let told = "the board has fallen silent, and switches its motors off by itself; look at its supply and \
-                    its cable";
+        let told = "the board has fallen silent, and switches its motors off by itself; look at its supply \
+                    and its cable";
         (heard && self.bench.is_none()).then(|| told.to_owned())
     }
 }

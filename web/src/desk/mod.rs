@@ -1,6 +1,6 @@
 //! An operator's place: the client that speaks to a board, and what of its telemetry is drawn. The board is
-//! simulated here with its rig, and then time is the board's: it passes when the page lets it. Or it is at the
-//! other end of a line, whose bytes and time somebody else carries.
+//! simulated here with its rig, and then time is the board's: it passes when the page lets it. Or it is at
+//! the other end of a line, whose bytes and time somebody else carries.
 
 pub mod bench;
 pub mod faults;
@@ -72,8 +72,8 @@ pub struct Desk {
     heard: u64,
     /// What is wrong with the line or the board at its end, and what to do.
     trouble: Option<String>,
-    /// Since when a zero is wanted.
-    zeroing: Option<u64>,
+    /// Since when a zero is wanted, and when the board is asked for it again.
+    zeroing: Option<(u64, u64)>,
     flying: Option<Flying>,
     flights: Flights,
     tuning: Tuning,

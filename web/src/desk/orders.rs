@@ -35,20 +35,21 @@ impl Desk {
     /// To take where the rig lies for its rest pose, as soon as it lies still.
     pub fn zero(&mut self) {
         self.client.send(&ToBoard::Zero);
-        self.zeroing = Some(self.ticks);
+        self.zeroing = Some((self.ticks, self.ticks + ZERO_EVERY));
     }
 
     /// A board takes no zero while the rig moves: it is asked again.
     pub(super) fn zero_again(&mut self) {
-        let Some(begun) = self.zeroing else { return };
+        let Some((begun, again)) = self.zeroing else { return };
         let wanted = self.frame.is_some_and(|frame| frame.conditions.contains(Condition::NotZeroed));
         match self.ticks - begun {
             waited if wanted && waited >= LONGEST_REST => {
                 self.zeroing = None;
                 self.journal.trouble(self.ticks, "not zeroed: the rig does not come to rest");
             }
-            waited if wanted && waited % ZERO_EVERY == ZERO_EVERY - 1 => {
+            _ if wanted && self.ticks >= again => {
                 self.client.send(&ToBoard::Zero);
+                self.zeroing = Some((begun, again + ZERO_EVERY));
             }
             waited if !wanted && waited >= ZERO_EVERY => self.zeroing = None,
             _ => {}

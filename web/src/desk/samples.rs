@@ -50,8 +50,8 @@ pub const TABLE: [Column; COLUMNS] = [
     column("clipped", "-"),
 ];
 
-/// A frame as a row; `rotors` \[V\] are the volts in effect at the rotors, which telemetry does not tell: not a
-/// number where they are not known.
+/// A frame as a row; `rotors` \[V\] are the volts in effect at the rotors, which telemetry does not tell: not
+/// a number where they are not known.
 #[must_use]
 pub fn row(frame: &Frame, rotors: Option<PerMotor<f32>>) -> [f32; COLUMNS] {
     let (angle, reference, rate) = (frame.angle, frame.reference, frame.rate);
