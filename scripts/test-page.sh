@@ -7,12 +7,14 @@ cd "$(dirname "$0")/.."
 folder=target/page
 
 scripts/build-page.sh
-cargo run -q -p host-sim -- page --out $folder/heli.html
+cargo build -q -p host-sim --features monitor
+host_sim=target/debug/host-sim
+$host_sim page --out $folder/heli.html
 size=$(wc -c <$folder/heli.html)
 [ "$size" -le 600000 ] || { echo "the page has $size bytes; 600,000 are allowed"; exit 1; }
 
 cargo run -q -p twinrotor-web --example fingerprints 1000000 >$folder/fingerprints.txt
-cargo run -q -p host-sim -- tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
+$host_sim tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
 
 long=$(find web/page web/tests -name '*.js' -not -path '*/vendor/*' -o -name '*.mjs' | xargs wc -l |
   awk '$2 != "total" && $1 >= 300')
@@ -29,5 +31,4 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
-cargo build -q -p host-sim --features monitor
-node web/tests/monitor.mjs target/debug/host-sim 60 "${1:-}"
+node web/tests/monitor.mjs $host_sim 60 "${1:-}"
