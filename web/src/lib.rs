@@ -18,6 +18,7 @@
 pub mod desk;
 #[cfg(target_arch = "wasm32")]
 mod exports;
+pub mod lessons;
 pub mod page;
 pub mod request;
 pub mod same_bits;

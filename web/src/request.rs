@@ -1,6 +1,7 @@
 //! What a page can ask, and how it is answered.
 
 use crate::desk::{Choice, Desk, OWN};
+use crate::lessons;
 use crate::page::Page;
 use crate::same_bits;
 use crate::tuner::Tuner;
@@ -82,6 +83,8 @@ pub enum Request {
     Save,
     /// The last flights with their curves.
     Flights,
+    /// Lessons, with how far their tasks are by what was flown.
+    Lessons,
     /// A search begins.
     Tune {
         preset: String,
@@ -119,6 +122,7 @@ impl Request {
                 | Self::Settings
                 | Self::Export
                 | Self::Flights
+                | Self::Lessons
                 | Self::Tune { .. }
                 | Self::TuneOn
                 | Self::Fingerprint { .. }
@@ -216,6 +220,7 @@ pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
         Request::Revert => desk.judge(false),
         Request::Save => desk.save(),
         Request::Flights => return told(desk.flights().kept()),
+        Request::Lessons => return told(&lessons::lessons(desk.flights())),
     }
     Ok(Value::Null)
 }

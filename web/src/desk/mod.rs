@@ -270,7 +270,7 @@ impl Desk {
             }
             Wish::End => {
                 if let Some(flying) = self.flying.take() {
-                    self.flights.note(flying, &self.rig);
+                    self.flights.note(flying, (&self.preset, &self.rig));
                     self.journal.note(self.ticks, "flown to its end; back to level");
                 }
                 self.client.aim(PerAxis::zero());

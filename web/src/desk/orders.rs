@@ -80,8 +80,8 @@ impl Desk {
             bench.gusts = scenario.disturbance.map_or_else(Vec::new, |_| scenario.disturbances(1));
         }
         self.client.send(&ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
-        let label = self.tuning.label(frame.controller.trial != TrialPhase::None);
-        self.flying = Some(Flying::new(scenario, label, frame.tick));
+        let flies = self.tuning.in_force(frame.controller.trial != TrialPhase::None);
+        self.flying = Some(Flying::new(scenario, flies, frame.tick));
         Ok(())
     }
 
