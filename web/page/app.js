@@ -5,10 +5,11 @@ import { attempt } from "./attempt.js";
 import { read85 } from "./base85.js";
 import { Clock } from "./clock.js";
 import { Control } from "./control.js";
-import { button, byId, input, select } from "./dom.js";
+import { button, byId, input, make, select } from "./dom.js";
 import { Flights } from "./flights.js";
 import { Helicopter } from "./helicopter.js";
 import { History } from "./history.js";
+import { Lessons } from "./lessons.js";
 import { read, write } from "./link.js";
 import { Module } from "./machine.js";
 import { Plots } from "./plots.js";
@@ -23,16 +24,18 @@ const WORDS_EVERY = 100;
 /** How often plots are redrawn, in ms. */
 const PLOTS_EVERY = 30;
 
-/** The bytes of the module, which a page from a file carries in itself, packed. */
-async function carried() {
-  const packed = byId("wasm").textContent ?? "";
+/** What a page from a file carries in itself, packed; nothing in one that is served. @param {string} id */
+async function carried(id) {
+  const packed = byId(id).textContent ?? "";
   if (packed === "") return undefined;
   const unpacked = new Blob([read85(packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(unpacked).arrayBuffer());
 }
 
 async function main() {
-  const bytes = await carried();
+  const uplot = await carried("uplot");
+  if (uplot) document.head.append(make("script", {}, new TextDecoder().decode(uplot)));
+  const bytes = await carried("wasm");
   const machine = bytes ? await Module.load(bytes) : await Socket.open();
   const about = await machine.ask("about");
   const samples = new History(about.columns.map((/** @type {any} */ column) => column.name));
@@ -45,6 +48,7 @@ async function main() {
   const settings = new Settings(machine, attempt);
   const flights = new Flights(machine);
   const rig = new Rig(machine, about, attempt, () => settings.build());
+  const lessons = new Lessons(machine);
   const load = (/** @type {string} */ gains_toml) =>
     attempt(async () => {
       await machine.ask({ load: { gains_toml } });
@@ -96,7 +100,7 @@ async function main() {
       plots.setLimits(Object.values(status.volts_limit));
       await settings.build();
     }
-    for (const part of [steps, rig, settings, flights]) part.show(status);
+    for (const part of [steps, rig, settings, flights, lessons]) part.show(status);
     control?.show();
     // What is in force has changed: the sliders say what is accepted.
     const now = `${status.trial === "flying"} ${status.unsaved}`;

@@ -1,7 +1,7 @@
 //! The page as a program serves it: the same parts as files beside each other, so that nothing in it is a
 //! script by itself. It asks the program what the page from a file asks its own module.
 
-use super::{MODULES, PAGE, bundle, filled, flush, plot, style};
+use super::{MODULES, PAGE, PLOT, bundle, filled, flush, style};
 
 /// What a browser may do with the page: load what lies beside it, and speak to who served it.
 pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
@@ -25,7 +25,7 @@ pub fn files() -> Vec<File> {
     vec![
         File { name: "", kind: "text/html; charset=utf-8", text: page() },
         File { name: "style.css", kind: "text/css; charset=utf-8", text: style() },
-        File { name: "uplot.js", kind: script, text: plot() },
+        File { name: "uplot.js", kind: script, text: PLOT.to_owned() },
         File { name: "app.js", kind: script, text: bundle::bundle(&MODULES, "app.js") },
     ]
 }
@@ -35,7 +35,10 @@ fn page() -> String {
         ("<style>/*STYLE*/</style>", "<link rel=\"stylesheet\" href=\"style.css\">".to_owned()),
         ("/*WASM*/", String::new()),
         ("/*WORKER*/", String::new()),
-        ("<script>/*UPLOT*/</script>", "<script src=\"uplot.js\"></script>".to_owned()),
+        (
+            "<script type=\"application/octet-stream\" id=\"uplot\">/*UPLOT*/</script>",
+            "<script id=\"uplot\" src=\"uplot.js\"></script>".to_owned(),
+        ),
         (
             "<script type=\"module\">/*APP*/</script>",
             "<script type=\"module\" src=\"app.js\"></script>".to_owned(),

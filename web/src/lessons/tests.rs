@@ -95,10 +95,30 @@ fn each_task_is_met_by_doing_it_and_not_before() {
             ],
         ),
         ("aero2", vec![Draw("pid"), step(), Set("pitch.proportional", 12.0), step()]),
-        ("aero2", vec![Draw("paper"), step(), Set("pitch.position", 1.5), Set("pitch.rate", 3.0), step()]),
+        (
+            "aero2",
+            vec![
+                Draw("paper"),
+                Set("pitch.rate", 5.0),
+                Set("yaw.rate", 3.0),
+                step(),
+                Set("pitch.position", 2.1),
+                step(),
+            ],
+        ),
         ("aero2", vec![step(), Draw("pid"), step()]),
-        ("aero2", vec![Wind(2.0), Draw("pd"), step(), Draw("own"), step()]),
-        ("aero2", vec![step(), Draw("paper"), Set("pitch.position", 25.0), step()]),
+        (
+            "aero2",
+            vec![
+                Wind(2.0),
+                Set("pitch.integral", 0.0),
+                Set("cancellation.pitch", 0.0),
+                step(),
+                Draw("own"),
+                step(),
+            ],
+        ),
+        ("paper", vec![step(), Draw("paper"), Set("pitch.position", 25.0), Set("pitch.rate", 25.0), step()]),
         ("heli", vec![Fly("2"), step()]),
     ];
     let mut wrong = Vec::new();
