@@ -17,4 +17,6 @@ mkdir -p target/page
 packed=target/page/twinrotor.wasm.gz
 gzip -9 -n -c target/wasm32-unknown-unknown/web/twinrotor_web.wasm >$packed.new
 mv $packed.new $packed
+gzip -9 -n -c web/page/vendor/uPlot.iife.min.js >target/page/uplot.js.gz.new
+mv target/page/uplot.js.gz.new target/page/uplot.js.gz
 echo "$packed: $(wc -c <$packed) bytes"

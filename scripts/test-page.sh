@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
 # The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, against what
-# the same code gives on this machine. What needs a program that is not here says that it was not run. With a
-# folder as argument, pictures of the page are put there.
+# the same code gives on this machine; then as `host-sim monitor` serves it. What needs a program that is not
+# here says that it was not run. With a folder as argument, pictures of the page are put there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=target/page
 
 scripts/build-page.sh
-cargo run -q -p host-sim -- page --out $folder/heli.html
+cargo build -q -p host-sim --features monitor
+host_sim=target/debug/host-sim
+$host_sim page --out $folder/heli.html
 size=$(wc -c <$folder/heli.html)
 [ "$size" -le 600000 ] || { echo "the page has $size bytes; 600,000 are allowed"; exit 1; }
 
 cargo run -q -p twinrotor-web --example fingerprints 1000000 >$folder/fingerprints.txt
-cargo run -q -p host-sim -- tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
+$host_sim tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
 
 long=$(find web/page web/tests -name '*.js' -not -path '*/vendor/*' -o -name '*.mjs' | xargs wc -l |
   awk '$2 != "total" && $1 >= 300')
@@ -29,3 +31,4 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
+node web/tests/monitor.mjs $host_sim 60 "${1:-}"

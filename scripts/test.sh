@@ -5,7 +5,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/stage.sh
 
-stage "tests on the host" cargo test --workspace --exclude firmware --features host-sim/formats
+features=host-sim/formats,host-sim/monitor
+stage "tests on the host" cargo test --workspace --exclude firmware --features "$features"
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"

@@ -17,6 +17,8 @@ pub mod error;
 pub mod figures;
 pub mod files;
 pub mod line;
+#[cfg(feature = "monitor")]
+pub mod monitor;
 pub mod page;
 pub mod report;
 pub mod stop;

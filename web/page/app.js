@@ -1,107 +1,118 @@
 // @ts-check
 // The page: puts its parts together, lets time pass and keeps the address.
 
+import { attempt } from "./attempt.js";
 import { read85 } from "./base85.js";
 import { Clock } from "./clock.js";
-import { button, byId, input, select } from "./dom.js";
+import { Control } from "./control.js";
+import { button, byId, input, make, select } from "./dom.js";
 import { Flights } from "./flights.js";
 import { Helicopter } from "./helicopter.js";
 import { History } from "./history.js";
+import { Lessons } from "./lessons.js";
 import { read, write } from "./link.js";
-import { Machine } from "./machine.js";
+import { Module } from "./machine.js";
 import { Plots } from "./plots.js";
 import { Rig } from "./rig.js";
 import { Settings } from "./settings.js";
+import { Socket } from "./socket.js";
 import { Steps } from "./steps.js";
 import { Tuner } from "./tuner.js";
 
-/** How often words are renewed, in ms. */
+/** How often words are renewed, in ms; a program that has the board hears by that that somebody is here. */
 const WORDS_EVERY = 100;
 /** How often plots are redrawn, in ms. */
 const PLOTS_EVERY = 30;
 
-/** Does something, and tells in words what is wrong with it. @param {() => void} work */
-function attempt(work) {
-  try {
-    work();
-    byId("told").textContent = "";
-  } catch (error) {
-    byId("told").textContent = error instanceof Error ? error.message : String(error);
-  }
-}
-
-/** The bytes of the module, which the page carries in itself, packed. */
-async function carried() {
-  const unpacked = new Blob([read85(byId("wasm").textContent ?? "")])
-    .stream()
-    .pipeThrough(new DecompressionStream("gzip"));
+/** What a page from a file carries in itself, packed; nothing in one that is served. @param {string} id */
+async function carried(id) {
+  const packed = byId(id).textContent ?? "";
+  if (packed === "") return undefined;
+  const unpacked = new Blob([read85(packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(unpacked).arrayBuffer());
 }
 
 async function main() {
-  const bytes = await carried();
-  const machine = await Machine.load(bytes);
-  const about = machine.ask("about");
-  machine.columns = about.columns.length;
+  const uplot = await carried("uplot");
+  if (uplot) document.head.append(make("script", {}, new TextDecoder().decode(uplot)));
+  const bytes = await carried("wasm");
+  const machine = bytes ? await Module.load(bytes) : await Socket.open();
+  const about = await machine.ask("about");
   const samples = new History(about.columns.map((/** @type {any} */ column) => column.name));
-
-  const pass = (/** @type {number} */ ticks) => samples.take(machine.advance(ticks));
+  machine.rows = (rows) => samples.take(rows);
+  document.body.dataset.way = machine.here ? "here" : "there";
 
   const plots = new Plots(samples);
-  const helicopter = new Helicopter((push) => machine.ask({ push }));
-  const steps = new Steps(machine, attempt, pass);
+  const helicopter = new Helicopter((push) => void machine.ask({ push }).catch(() => {}));
+  const steps = new Steps(machine, attempt);
   const settings = new Settings(machine, attempt);
   const flights = new Flights(machine);
-  const anew = () => {
-    samples.clear();
-    plots.follow();
-    settings.build();
-    flights.shown = 0;
-    flights.build();
-    plots.setLimits(Object.values(machine.ask("status").volts_limit));
-  };
-  const rig = new Rig(machine, about, attempt, anew, () => settings.build());
-  new Tuner(bytes, byId("worker").textContent ?? "", about, (gains_toml) =>
-    attempt(() => {
-      machine.ask({ load: { gains_toml } });
-      settings.build();
-    }),
-  );
+  const rig = new Rig(machine, about, attempt, () => settings.build());
+  const lessons = new Lessons(machine);
+  const load = (/** @type {string} */ gains_toml) =>
+    attempt(async () => {
+      await machine.ask({ load: { gains_toml } });
+      await settings.build();
+    });
+  new Tuner(machine, bytes, byId("worker").textContent ?? "", about, load);
+  const control = machine instanceof Socket ? new Control(machine, attempt, () => steps.stop()) : undefined;
 
-  let told = 0;
   let rowsBefore = -1;
   let drawn = 0;
-  const clock = new Clock(pass, () => {
-    const now = performance.now();
-    if (now - told >= WORDS_EVERY) {
-      told = now;
-      words();
-    }
-    const held = plots.range;
-    const row = samples.row(held?.[1]);
-    if (row) helicopter.draw(row, now);
-    const seen = samples.end + (held ? held[0] + held[1] : 0);
-    if (seen !== rowsBefore && now - drawn >= PLOTS_EVERY) {
-      plots.draw();
-      [rowsBefore, drawn] = [seen, now];
-    }
-  });
+  const clock = new Clock(
+    (ticks) => machine.pass(ticks),
+    () => {
+      const now = performance.now();
+      const held = plots.range;
+      const row = samples.row(held?.[1]);
+      if (row) helicopter.draw(row, now);
+      const seen = samples.end + (held ? held[0] + held[1] : 0);
+      if (seen !== rowsBefore && now - drawn >= PLOTS_EVERY) {
+        plots.draw();
+        [rowsBefore, drawn] = [seen, now];
+      }
+    },
+  );
 
-  let accepted = "";
-  function words() {
-    const status = machine.ask("status");
-    for (const part of [steps, rig, settings, flights]) part.show(status);
+  let board = -1;
+  let inForce = "";
+  let asking = false;
+  /** Not with what is drawn: a page that draws slowly is still there. */
+  async function words() {
+    if (asking) return;
+    asking = true;
+    try {
+      await show(await machine.ask({ status: { since: steps.told } }));
+    } catch {
+      // That nobody answers is told by whoever holds the socket.
+    } finally {
+      asking = false;
+    }
+  }
+
+  /** @param {any} status */
+  async function show(status) {
+    if (status.board !== board) {
+      board = status.board;
+      samples.clear();
+      plots.follow();
+      flights.shown = -1;
+      plots.setLimits(Object.values(status.volts_limit));
+      await settings.build();
+    }
+    for (const part of [steps, rig, settings, flights, lessons]) part.show(status);
+    control?.show();
     // What is in force has changed: the sliders say what is accepted.
-    const inForce = `${status.trial === "flying"} ${status.unsaved}`;
-    if (inForce !== accepted && accepted !== "") settings.build();
-    accepted = inForce;
+    const now = `${status.trial === "flying"} ${status.unsaved}`;
+    if (now !== inForce && inForce !== "") await settings.build();
+    inForce = now;
     byId("time").textContent = `${status.time.toFixed(2)} s`;
     const [first, last] = samples.span();
     const scrub = input("scrub");
     [scrub.min, scrub.max] = [`${first}`, `${last}`];
     if (!plots.range) scrub.value = `${last}`;
     button("follow").setAttribute("aria-pressed", `${!plots.range}`);
-    remember();
+    if (machine.here) remember();
   }
 
   function remember() {
@@ -153,7 +164,7 @@ async function main() {
   };
 
   /** What the address asks for. */
-  function restore() {
+  async function restore() {
     const state = read();
     for (const id of ["preset", "controller", "scenario", "speed"]) {
       const wanted = state.get(id);
@@ -170,13 +181,15 @@ async function main() {
     }
     input("gusts").checked = state.get("gusts") === "1";
     clock.speed = Number(select("speed").value);
-    rig.begin(anew);
-    settings.take(state.get("set") ?? "");
+    await rig.begin();
+    await settings.take(state.get("set") ?? "");
   }
 
   controls();
   select("preset").value = "aero2";
-  restore();
+  if (machine.here) await restore();
+  await words();
+  setInterval(words, WORDS_EVERY);
   clock.start();
   // For whoever drives the page: a test, a teacher at the browser's console.
   Object.assign(window, { twinrotor: { machine, samples, clock, plots } });

@@ -49,8 +49,8 @@ export class Flights {
     return { width: Math.max(byId("flight-plot").clientWidth, 200), height: 190 };
   }
 
-  build() {
-    const flights = this.machine.ask("flights");
+  async build() {
+    const flights = await this.machine.ask("flights");
     this.plot?.destroy();
     byId("flights").hidden = flights.length === 0;
     if (flights.length === 0) return;

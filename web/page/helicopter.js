@@ -75,8 +75,11 @@ export class Helicopter {
   draw(row, now) {
     const passed = this.before === undefined ? 0 : Math.min((now - this.before) / 1000, 0.1);
     this.before = now;
-    this.turned.main += passed * SEEN_TURNS * 2 * Math.PI * row.main_rotor;
-    this.turned.tail += passed * SEEN_TURNS * 2 * Math.PI * row.tail_rotor;
+    // Of a rig that is not simulated nobody knows what is in effect at the rotors, but what the motors get.
+    const turns = (/** @type {number} */ known, /** @type {number} */ given) =>
+      passed * SEEN_TURNS * 2 * Math.PI * (Number.isNaN(known) ? given : known);
+    this.turned.main += turns(row.main_rotor, row.main_volts);
+    this.turned.tail += turns(row.tail_rotor, row.tail_volts);
     const { gl, canvas } = this;
     if (!gl) return;
     const scale = Math.min(devicePixelRatio, 2);

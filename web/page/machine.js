@@ -1,6 +1,7 @@
 // @ts-check
-// What computes: the WebAssembly module of web/, which holds board, rig, client and tuner. Everything that the
-// page knows it has asked here.
+// What computes in the page itself: the WebAssembly module of web/, which holds board, rig, client and tuner.
+// Where a program has served the page, `socket.js` asks the same of it. Everything that the page knows it has
+// asked of one of them.
 
 /**
  * @typedef {object} Exports
@@ -17,29 +18,50 @@
  * @typedef {string | object} Request
  */
 
+/**
+ * Whom the page asks: here, or over a socket.
+ * @typedef {object} Machine
+ * @property {(request: Request) => Promise<any>} ask gives the answer, or throws what is wrong, in words
+ * @property {(ticks: number) => void} pass lets simulated time pass, where it is the page's
+ * @property {(rows: Float32Array) => void} rows takes rows of samples; set by whoever wants them
+ * @property {boolean} here it computes in the page
+ */
+
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
-export class Machine {
+/** @implements {Machine} */
+export class Module {
   /** @param {Exports} exports */
   constructor(exports) {
     this.exports = exports;
-    /** Numbers in a row of samples; `about` tells. */
-    this.columns = 0;
+    this.here = true;
+    /** Numbers in a row of samples. */
+    this.columns = this.answer("about").columns.length;
+    /** @type {(rows: Float32Array) => void} */
+    this.rows = () => {};
   }
 
   /** @param {BufferSource} bytes */
   static async load(bytes) {
     const { instance } = await WebAssembly.instantiate(bytes, {});
-    return new Machine(/** @type {any} */ (instance.exports));
+    return new Module(/** @type {any} */ (instance.exports));
   }
 
   /**
-   * Asks, and gives the answer; throws what is wrong, in words.
+   * What was asked is done when this returns, whenever the answer is read.
    * @param {Request} request
-   * @returns {any}
    */
   ask(request) {
+    try {
+      return Promise.resolve(this.answer(request));
+    } catch (error) {
+      return Promise.reject(error);
+    }
+  }
+
+  /** @param {Request} request @returns {any} */
+  answer(request) {
     const { memory, input, ask, output } = this.exports;
     const question = encoder.encode(JSON.stringify(request));
     const at = input(question.length);
@@ -50,14 +72,10 @@ export class Machine {
     return answer.ok;
   }
 
-  /**
-   * Lets simulated time pass. The rows are valid until the next call.
-   * @param {number} ticks
-   * @returns {Float32Array}
-   */
-  advance(ticks) {
+  /** @param {number} ticks */
+  pass(ticks) {
     const { memory, advance, samples } = this.exports;
     const rows = advance(ticks);
-    return new Float32Array(memory.buffer, samples(), rows * this.columns);
+    this.rows(new Float32Array(memory.buffer, samples(), rows * this.columns));
   }
 }

@@ -7,24 +7,23 @@ import { button, byId, choices, input, make, select } from "./dom.js";
 
 export class Rig {
   /**
-   * @param {Machine} machine @param {any} about @param {(work: () => void) => void} attempt
-   * @param {() => void} anew the desk is another one
-   * @param {() => void} drawn the draft is another controller
+   * @param {Machine} machine @param {any} about @param {import("./attempt.js").Attempt} attempt
+   * @param {() => Promise<void>} drawn the draft is another controller
    */
-  constructor(machine, about, attempt, anew, drawn) {
+  constructor(machine, about, attempt, drawn) {
     this.machine = machine;
     this.attempt = attempt;
     choices("preset", about.presets);
     choices("controller", about.controllers);
     choices("scenario", about.scenarios);
-    select("preset").addEventListener("change", () => this.begin(anew));
+    select("preset").addEventListener("change", () => this.begin());
     select("controller").addEventListener("change", () =>
-      attempt(() => {
-        machine.ask({ draw: { controller: select("controller").value } });
-        drawn();
+      attempt(async () => {
+        await machine.ask({ draw: { controller: select("controller").value } });
+        await drawn();
       }),
     );
-    button("begin").addEventListener("click", () => this.begin(anew));
+    button("begin").addEventListener("click", () => this.begin());
     button("fly").addEventListener("click", () =>
       attempt(() => machine.ask({ fly: { scenario: select("scenario").value } })),
     );
@@ -36,14 +35,13 @@ export class Rig {
     this.faults = new Map();
   }
 
-  /** A board with the chosen rig and controller. @param {() => void} anew */
-  begin(anew) {
-    this.attempt(() => {
-      this.machine.ask({ begin: { preset: select("preset").value, controller: select("controller").value } });
+  /** A board with the chosen rig and controller. */
+  begin() {
+    return this.attempt(async () => {
+      const [preset, controller] = ["preset", "controller"].map((id) => select(id).value);
+      await this.machine.ask({ begin: { preset, controller } });
       for (const id of ["aim-pitch", "aim-yaw"]) input(id).value = "0";
-      this.disturb();
-      this.steady();
-      anew();
+      await Promise.all([this.disturb(), this.steady()]);
     });
   }
 
@@ -55,16 +53,18 @@ export class Rig {
 
   disturb() {
     const [main, tail] = ["wind-main", "wind-tail"].map((id) => input(id).valueAsNumber);
-    this.attempt(() => this.machine.ask({ disturb: { main, tail, gusts: input("gusts").checked } }));
     byId("wind-told").textContent = `${main} V at the main rotor, ${tail} V at the tail`;
+    return this.attempt(() => this.machine.ask({ disturb: { main, tail, gusts: input("gusts").checked } }));
   }
 
   steady() {
-    this.attempt(() => this.machine.ask({ steady: input("steady").checked }));
+    return this.attempt(() => this.machine.ask({ steady: input("steady").checked }));
   }
 
   /** @param {any} status */
   show(status) {
+    document.body.dataset.rig = status.simulated ? "simulated" : "real";
+    if (status.simulated && select("preset").value !== status.preset) select("preset").value = status.preset;
     if (this.faults.size === 0) this.list(status.faults);
     for (const { name, present } of status.faults) {
       const box = this.faults.get(name);

@@ -29,15 +29,17 @@ const WORDS = new Map([
 ]);
 
 export class Settings {
-  /** @param {Machine} machine @param {(work: () => void) => void} attempt */
+  /** @param {Machine} machine @param {import("./attempt.js").Attempt} attempt */
   constructor(machine, attempt) {
     this.machine = machine;
     this.attempt = attempt;
+    /** As told last. @type {Row[]} */
+    this.rows = [];
     const on = (/** @type {string} */ id, /** @type {import("./machine.js").Request} */ request) =>
       button(id).addEventListener("click", () =>
-        attempt(() => {
-          machine.ask(request);
-          this.build();
+        attempt(async () => {
+          await machine.ask(request);
+          await this.build();
         }),
       );
     on("try", "try");
@@ -45,14 +47,16 @@ export class Settings {
     on("revert", "revert");
     on("save", "save");
     on("undo", { recall: { number: 0 } });
-    button("export").addEventListener("click", () => download("gains.toml", machine.ask("export")));
+    button("export").addEventListener("click", () =>
+      attempt(async () => download("gains.toml", await machine.ask("export"))),
+    );
     input("load").addEventListener("change", () => this.load());
-    this.build();
   }
 
   /** Anew from what the machine has: another controller may have other settings. */
-  build() {
-    const { name, law, rows, tried, changed } = this.machine.ask("settings");
+  async build() {
+    const { name, law, rows, tried, changed } = await this.machine.ask("settings");
+    this.rows = rows;
     byId("controller-name").textContent = `${name}: ${law}`;
     /** @type {Map<string, HTMLElement[]>} */
     const parts = new Map();
@@ -75,9 +79,9 @@ export class Settings {
         const back = make("button", { type: "button" }, `${trial.number}`);
         back.title = "these values into the sliders";
         back.addEventListener("click", () =>
-          this.attempt(() => {
-            this.machine.ask({ recall: { number: trial.number } });
-            this.build();
+          this.attempt(async () => {
+            await this.machine.ask({ recall: { number: trial.number } });
+            await this.build();
           }),
         );
         return make("li", {}, back, ` ${trial.words}`);
@@ -131,8 +135,9 @@ export class Settings {
 
   /** @param {Row} row @param {number} value @param {HTMLElement} box */
   set(row, value, box) {
-    this.attempt(() => {
-      this.machine.ask({ set: { name: row.name, value } });
+    this.attempt(async () => {
+      await this.machine.ask({ set: { name: row.name, value } });
+      row.draft = value;
       const [slider, number] = box.querySelectorAll("input");
       slider.value = `${value}`;
       number.value = short(value);
@@ -145,27 +150,26 @@ export class Settings {
     const [file] = input("load").files ?? [];
     if (!file) return;
     file.text().then((text) =>
-      this.attempt(() => {
-        this.machine.ask({ load: { gains_toml: text } });
-        this.build();
+      this.attempt(async () => {
+        await this.machine.ask({ load: { gains_toml: text } });
+        await this.build();
       }),
     );
   }
 
   /** What differs from the accepted controller, for a link. @returns {string} */
   changes() {
-    const { rows } = this.machine.ask("settings");
-    const changed = rows.filter((/** @type {Row} */ row) => row.accepted !== row.draft);
-    return changed.map((/** @type {Row} */ row) => `${row.name}:${row.draft}`).join(",");
+    const changed = this.rows.filter((row) => row.accepted !== row.draft);
+    return changed.map((row) => `${row.name}:${row.draft}`).join(",");
   }
 
   /** Takes what {@link changes} gave. @param {string} text */
-  take(text) {
+  async take(text) {
     for (const one of text.split(",").filter((part) => part !== "")) {
       const [name, value] = one.split(":");
-      this.attempt(() => this.machine.ask({ set: { name, value: Number(value) } }));
+      await this.attempt(() => this.machine.ask({ set: { name, value: Number(value) } }));
     }
-    this.build();
+    await this.build();
   }
 
   /** @param {any} status */

@@ -14,12 +14,13 @@ const OBEYED = 6;
 export class Steps {
   /**
    * @param {Machine} machine
-   * @param {(work: () => void) => void} attempt does it, and tells what is wrong
-   * @param {(ticks: number) => void} pass lets time pass
+   * @param {import("./attempt.js").Attempt} attempt does it, and tells what is wrong
    */
-  constructor(machine, attempt, pass) {
+  constructor(machine, attempt) {
     this.machine = machine;
-    this.pass = pass;
+    this.attempt = attempt;
+    /** The number of the last entry of the journal that is shown. */
+    this.told = 0;
     const on = (/** @type {string} */ id, /** @type {import("./machine.js").Request} */ request) =>
       button(id).addEventListener("click", () => attempt(() => machine.ask(request)));
     on("check", { supervisor: "check" });
@@ -49,8 +50,8 @@ export class Steps {
 
   /** At once, however slowly this machine draws: the board has the word, and obeys it, before this returns. */
   stop() {
-    this.machine.ask({ supervisor: "disarm" });
-    this.pass(OBEYED);
+    this.attempt(() => this.machine.ask({ supervisor: "disarm" }));
+    this.machine.pass(OBEYED);
   }
 
   /** @param {any} status */
@@ -59,8 +60,8 @@ export class Steps {
     shown.textContent = status.silent ? "no answer" : status.state;
     shown.dataset.state = status.silent ? "fault" : status.state;
     byId("cause").textContent = status.silent
-      ? "the board is not heard: is the link up?"
-      : (status.cause ?? "");
+      ? (status.trouble ?? "the board is not heard: is the link up?")
+      : (status.cause ?? status.trouble ?? "");
     for (const [name, why] of Object.entries(status.steps)) {
       const found = document.getElementById(name);
       if (!(found instanceof HTMLButtonElement)) continue;
@@ -77,6 +78,8 @@ export class Steps {
     );
     const log = byId("journal");
     for (const entry of status.journal) {
+      if (entry.number <= this.told) continue;
+      this.told = entry.number;
       const time = `${entry.time.toFixed(1)} s `;
       log.prepend(make("li", { class: entry.trouble ? "hazard" : "" }, make("time", {}, time), entry.words));
     }

@@ -1,23 +1,17 @@
 // @ts-check
-// The search, in a thread of its own with a module of its own, an exchange at a time.
+// The search in a thread of its own.
 
-import { Machine } from "./machine.js";
+import { Module } from "./machine.js";
+import { search } from "./search.js";
 
 self.addEventListener("message", async (event) => {
   const { bytes, preset, seed } = event.data;
   try {
-    const machine = await Machine.load(bytes);
-    machine.ask({ tune: { preset, seed } });
-    let seconds = 0;
-    for (;;) {
-      const from = performance.now();
-      const progress = machine.ask("tune-on");
-      seconds += (performance.now() - from) / 1000;
-      self.postMessage({ ...progress, seconds });
-      if (progress.asked.length === 0 || progress.gains_toml) return;
-      // A breath, so that whoever looks sees it grow.
-      await new Promise((go) => setTimeout(go, 0));
-    }
+    const machine = await Module.load(bytes);
+    await search(machine, { preset, seed }, (progress) => {
+      self.postMessage(progress);
+      return true;
+    });
   } catch (error) {
     self.postMessage({ error: String(error) });
   }

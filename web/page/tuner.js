@@ -3,6 +3,7 @@
 // response redrawn. What it finds is, bit for bit, what `host-sim tune` writes for that preset and seed.
 
 import { button, byId, colour, download, input, select } from "./dom.js";
+import { search } from "./search.js";
 
 /**
  * @typedef {object} Progress
@@ -21,15 +22,20 @@ const SECONDS = 5;
 
 export class Tuner {
   /**
-   * @param {Uint8Array} bytes of the module @param {string} source of the worker @param {any} about
+   * @param {import("./machine.js").Machine} machine
+   * @param {Uint8Array | undefined} bytes of the module, if it is here, for a thread of its own
+   * @param {string} source of that thread @param {any} about
    * @param {(gains: string) => void} use takes what was found into the sliders
    */
-  constructor(bytes, source, about, use) {
+  constructor(machine, bytes, source, about, use) {
+    this.machine = machine;
     this.bytes = bytes;
     this.source = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
     this.about = about;
     /** @type {Worker | undefined} */
     this.worker = undefined;
+    /** Counts searches. */
+    this.run = 0;
     /** @type {number[][]} */
     this.flowers = [];
     /** @type {number[]} */
@@ -51,16 +57,27 @@ export class Tuner {
     this.response = null;
     this.found = null;
     for (const id of ["tune-use", "tune-save"]) button(id).disabled = true;
+    this.run += 1;
+    const { run } = this;
+    const seed = Math.max(0, Math.round(input("seed").valueAsNumber || 0));
+    const preset = select("preset").value;
+    if (!this.bytes) {
+      const tell = (/** @type {Progress} */ progress) => {
+        if (run === this.run) this.take(progress);
+        return run === this.run;
+      };
+      search(this.machine, { preset, seed }, tell).catch((error) => this.take({ error: error.message }));
+      return;
+    }
     const worker = new Worker(this.source);
     this.worker = worker;
     worker.addEventListener("message", (event) => this.take(event.data));
-    const seed = Math.max(0, Math.round(input("seed").valueAsNumber || 0));
-    worker.postMessage({ bytes: this.bytes, preset: select("preset").value, seed });
+    worker.postMessage({ bytes: this.bytes, preset, seed });
   }
 
-  /** @param {Progress & { error?: string }} progress */
+  /** @param {Progress | { error: string }} progress */
   take(progress) {
-    if (progress.error) {
+    if ("error" in progress) {
       byId("tune-told").textContent = progress.error;
       return;
     }

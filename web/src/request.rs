@@ -1,6 +1,7 @@
 //! What a page can ask, and how it is answered.
 
 use crate::desk::{Choice, Desk, OWN};
+use crate::lessons;
 use crate::page::Page;
 use crate::same_bits;
 use crate::tuner::Tuner;
@@ -26,8 +27,10 @@ pub enum Request {
     About,
     /// A desk anew.
     Begin(Choice),
-    /// Where it stands; what happened is told once.
-    Status,
+    /// Where it stands, with what happened after the entry `since` of the journal.
+    Status {
+        since: u64,
+    },
     Supervisor(Wanted),
     Zero,
     /// \[deg\]
@@ -80,6 +83,8 @@ pub enum Request {
     Save,
     /// The last flights with their curves.
     Flights,
+    /// Lessons, with how far their tasks are by what was flown.
+    Lessons,
     /// A search begins.
     Tune {
         preset: String,
@@ -106,22 +111,86 @@ pub enum Wanted {
     ClearFault,
 }
 
-/// Answers a question: `{"ok": ...}` or `{"error": "why"}`.
-pub fn answer(page: &mut Page, question: &[u8]) -> Vec<u8> {
-    let request = serde_json::from_slice(question).map_err(|error| Error::Unusable(error.to_string()));
-    let answer = match request.and_then(|request| answer_to(page, request)) {
-        Ok(value) => json!({ "ok": value }),
-        Err(error) => json!({ "error": error.to_string() }),
-    };
-    answer.to_string().into_bytes()
+impl Request {
+    /// It changes nothing of what others see.
+    #[must_use]
+    pub const fn only_looks(&self) -> bool {
+        matches!(
+            self,
+            Self::About
+                | Self::Status { .. }
+                | Self::Settings
+                | Self::Export
+                | Self::Flights
+                | Self::Lessons
+                | Self::Tune { .. }
+                | Self::TuneOn
+                | Self::Fingerprint { .. }
+        )
+    }
+
+    /// It may turn a motor.
+    #[must_use]
+    pub const fn turns(&self) -> bool {
+        matches!(self, Self::Supervisor(Wanted::Arm | Wanted::Check))
+    }
+
+    /// It is to switch the motors off.
+    #[must_use]
+    pub const fn stops(&self) -> bool {
+        matches!(self, Self::Supervisor(Wanted::Disarm))
+    }
 }
 
-fn answer_to(page: &mut Page, request: Request) -> Outcome<Value> {
-    let desk = &mut page.desk;
+/// Answers a question: `{"ok": ...}` or `{"error": "why"}`.
+pub fn answer(page: &mut Page, question: &[u8]) -> Vec<u8> {
+    let Page { desk, tuner } = page;
+    let request = serde_json::from_slice(question).map_err(|error| Error::Unusable(error.to_string()));
+    let answer =
+        request.and_then(|request| beside(tuner, &request).unwrap_or_else(|| at_desk(desk, request)));
+    worded(answer).to_string().into_bytes()
+}
+
+/// An answer as a page reads it.
+#[must_use]
+pub fn worded(answer: Outcome<Value>) -> Value {
+    match answer {
+        Ok(value) => json!({ "ok": value }),
+        Err(error) => json!({ "error": error.to_string() }),
+    }
+}
+
+/// Answers what needs no desk: what there is, the search. Nothing, if it is a desk's to answer.
+pub fn beside(tuner: &mut Option<Tuner>, request: &Request) -> Option<Outcome<Value>> {
+    Some(match request {
+        Request::About => Ok(about()),
+        Request::Tune { preset, seed } => Tuner::new(preset, *seed).map(|begun| {
+            *tuner = Some(begun);
+            Value::Null
+        }),
+        Request::TuneOn => match tuner {
+            Some(tuner) => told(&tuner.go_on()),
+            None => Err(Error::Unusable("no search has begun".to_owned())),
+        },
+        Request::Fingerprint { preset, scenario, ticks } => {
+            same_bits::fingerprint(preset, scenario, *ticks).map(|hash| json!(format!("{hash:016x}")))
+        }
+        _ => return None,
+    })
+}
+
+/// Answers what a desk is asked.
+///
+/// # Errors
+///
+/// What is wrong with it, in words.
+pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
     match request {
-        Request::About => return Ok(about()),
-        Request::Begin(choice) => *desk = Desk::new(&choice)?,
-        Request::Status => return told(&desk.status()),
+        Request::About | Request::Tune { .. } | Request::TuneOn | Request::Fingerprint { .. } => {
+            return Err(Error::Unusable("this is not asked of a desk".to_owned()));
+        }
+        Request::Begin(choice) => desk.begin(&choice)?,
+        Request::Status { since } => return told(&desk.status(since)),
         Request::Supervisor(wanted) => desk.request(match wanted {
             Wanted::Check => supervisor::Request::Check,
             Wanted::Arm => supervisor::Request::Arm,
@@ -134,8 +203,8 @@ fn answer_to(page: &mut Page, request: Request) -> Outcome<Value> {
         }
         Request::Fly { scenario } => desk.fly(Scenario::named(&scenario)?)?,
         Request::Disturb { main, tail, gusts } => desk.disturb(PerMotor::new(main, tail), gusts)?,
-        Request::Push { main, tail } => desk.push(PerMotor::new(main, tail)),
-        Request::Steady(steadied) => desk.steady(steadied),
+        Request::Push { main, tail } => desk.bench()?.push = PerMotor::new(main, tail),
+        Request::Steady(steadied) => desk.bench()?.steadied = steadied,
         Request::Fault { name, present } => desk.fault(&name, present)?,
         Request::Settings => return told(&desk.tuning().document()),
         Request::Set { name, value } => desk.tuning().set(&name, value)?,
@@ -151,16 +220,7 @@ fn answer_to(page: &mut Page, request: Request) -> Outcome<Value> {
         Request::Revert => desk.judge(false),
         Request::Save => desk.save(),
         Request::Flights => return told(desk.flights().kept()),
-        Request::Tune { preset, seed } => page.tuner = Some(Tuner::new(&preset, seed)?),
-        Request::TuneOn => {
-            let tuner =
-                page.tuner.as_mut().ok_or_else(|| Error::Unusable("no search has begun".to_owned()))?;
-            return told(&tuner.go_on());
-        }
-        Request::Fingerprint { preset, scenario, ticks } => {
-            let hash = same_bits::fingerprint(&preset, &scenario, ticks)?;
-            return Ok(json!(format!("{hash:016x}")));
-        }
+        Request::Lessons => return told(&lessons::lessons(desk.flights())),
     }
     Ok(Value::Null)
 }

@@ -27,7 +27,8 @@ pub struct Rig {
     pub encoder_counts: PerAxis<u32>,
     /// The board that flies it. No preset names one, and no file of a rig has it: it is what `--board` says, or
     /// what a board says of itself.
-    #[serde(skip)]
+    /// A file of before there were boards has its PWM's steps here, which are read over.
+    #[serde(rename = "pwm_steps", default, skip_serializing, deserialize_with = "former_pwm_steps")]
     pub board: Board,
     /// \[rad\] Where it lies with the motors off, seen from the horizontal.
     pub rest_angle: PerAxis<f64>,
@@ -36,6 +37,16 @@ pub struct Rig {
     /// The motors, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<MotorConstants>,
+}
+
+/// What a file of before there were boards says, a number that was allowed then: it is the board's now.
+fn former_pwm_steps<'de, D: serde::Deserializer<'de>>(file: D) -> Result<Board, D::Error> {
+    match u32::deserialize(file)? {
+        16..=65_535 => Ok(Board::default()),
+        steps => Err(serde::de::Error::custom(format_args!(
+            "pwm_steps is {steps}; allowed: 16 to 65535 (or leave it out, the board knows it)"
+        ))),
+    }
 }
 
 /// The amplifiers' supply.

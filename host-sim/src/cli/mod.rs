@@ -14,6 +14,7 @@ mod fly;
 mod identify;
 mod manual;
 mod margins;
+mod monitor;
 mod page;
 mod pareto;
 mod replay;
@@ -56,6 +57,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
     Fly(fly::Args),
+    /// A board, real or simulated, to watch, tune and fly in a browser
+    Monitor(monitor::Args),
     /// The simulated board and the tuner as one file to open in a browser
     Page(page::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
@@ -101,6 +104,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Fly(args) => fly::run(&args),
+        Command::Monitor(args) => monitor::run(&args),
         Command::Page(args) => page::run(&args),
         Command::Manual(args) => manual::run(&args, Cli::command()),
     };

@@ -13,7 +13,7 @@ pub(super) struct Args {
     /// Where to write the page
     #[arg(long, value_name = "FILE", default_value = "heli.html")]
     out: PathBuf,
-    /// The WebAssembly module that computes, as scripts/build-page.sh builds and packs it
+    /// The WebAssembly module that computes, as scripts/build-page.sh builds and packs it beside what plots
     #[arg(long, value_name = "FILE", default_value = page::MODULE)]
     module: PathBuf,
     /// Print one JSON document and nothing else
@@ -31,9 +31,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let Args { out, module, json } = args;
     let mut outputs = Outputs::new();
     outputs.reads("--module", module);
-    let bytes = read(module)?;
+    let plot = module.with_file_name(page::PACKED_PLOT);
+    outputs.reads("--module", &plot);
+    let (bytes, plot) = (read(module)?, read(&plot)?);
     outputs.writes("--out", out)?;
-    let page = page::page(&bytes);
+    let page = page::page(&bytes, &plot);
     outputs.write(out, page.as_bytes());
     if *json {
         print_json(&Document { out, bytes: page.len() })?;
@@ -48,7 +50,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     outputs.done()
 }
 
-/// The module, or which command builds it.
+/// What is packed, or which command builds it.
 fn read(module: &Path) -> Outcome<Vec<u8>> {
     let bytes = std::fs::read(module).map_err(|error| {
         Failure::Input(format!(
@@ -61,7 +63,7 @@ fn read(module: &Path) -> Outcome<Vec<u8>> {
         return Ok(bytes);
     }
     Err(Failure::Input(format!(
-        "--module {} is no module packed with gzip; scripts/build-page.sh builds {}",
+        "--module {} is not packed with gzip; scripts/build-page.sh builds {}",
         module.display(),
         page::MODULE
     )))
@@ -79,7 +81,7 @@ mod tests {
         assert!(told.contains("scripts/build-page.sh builds target/page/twinrotor.wasm.gz"), "{told}");
         std::fs::write(&missing, b"\0asm").unwrap();
         let told = read(&missing).unwrap_err().to_string();
-        assert!(told.contains("no module packed with gzip; scripts/build-page.sh"), "{told}");
+        assert!(told.contains("not packed with gzip; scripts/build-page.sh"), "{told}");
         std::fs::write(&missing, [0x1f, 0x8b, 8]).unwrap();
         assert_eq!(read(&missing).unwrap(), [0x1f, 0x8b, 8]);
     }

@@ -1,10 +1,12 @@
 //! Lines to boards: a simulated one, a serial port, a TCP connection.
 
 pub mod board;
+mod off;
 mod simulated;
 mod stream;
 
 pub use board::Board;
+pub use off::{NOT_SEEN, switch_off};
 pub use simulated::Simulated;
 pub use stream::Stream;
 

@@ -3,6 +3,8 @@
 
 mod base85;
 mod bundle;
+#[cfg(feature = "monitor")]
+pub mod served;
 
 use bundle::Module;
 
@@ -13,21 +15,26 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 17] = modules![
+const MODULES: [Module; 22] = modules![
     "app.js",
+    "attempt.js",
     "base85.js",
     "clock.js",
+    "control.js",
     "dom.js",
     "flights.js",
     "helicopter.js",
     "history.js",
+    "lessons.js",
     "link.js",
     "machine.js",
     "matrix.js",
     "mesh.js",
     "plots.js",
     "rig.js",
+    "search.js",
     "settings.js",
+    "socket.js",
     "steps.js",
     "tuner.js",
     "tuner-worker.js",
@@ -35,39 +42,50 @@ const MODULES: [Module; 17] = modules![
 const PAGE: &str = include_str!("../../../web/page/index.html");
 const STYLE: &str = include_str!("../../../web/page/style.css");
 const PLOT_STYLE: &str = include_str!("../../../web/page/vendor/uPlot.min.css");
+#[cfg(feature = "monitor")]
 const PLOT: &str = include_str!("../../../web/page/vendor/uPlot.iife.min.js");
 const PLOT_LICENCE: &str = include_str!("../../../web/page/vendor/LICENSE-uPlot");
 
 /// Where `scripts/build-page.sh` puts the module.
 pub const MODULE: &str = "target/page/twinrotor.wasm.gz";
+/// What it puts beside it: the script that plots, packed, too.
+pub const PACKED_PLOT: &str = "uplot.js.gz";
 /// What a file of gzip begins with.
 const MAGIC: &[u8] = &[0x1f, 0x8b];
 
-/// Can these bytes be a module, packed with gzip?
+/// Can these bytes be packed with gzip?
 #[must_use]
 pub fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// The page around `module`, which is packed.
+/// The page around the module that computes and the script that plots, both packed.
 #[must_use]
-pub fn page(module: &[u8]) -> String {
-    let plot = format!("/* uPlot\n{}*/\n{PLOT}", PLOT_LICENCE.trim_end());
+pub fn page(module: &[u8], plot: &[u8]) -> String {
     let parts = [
-        ("/*STYLE*/", format!("{PLOT_STYLE}\n{}", flush(STYLE))),
+        ("/*STYLE*/", style()),
         ("/*WASM*/", base85::encode(module)),
         ("/*WORKER*/", bundle::bundle(&MODULES, "tuner-worker.js")),
-        ("/*UPLOT*/", plot),
+        ("/*UPLOT*/", base85::encode(plot)),
         ("/*APP*/", bundle::bundle(&MODULES, "app.js")),
     ];
-    let whole = flush(PAGE);
-    let mut rest = whole.as_str();
+    filled(&flush(PAGE), &parts)
+}
+
+/// With uPlot's licence, which is its script's, too.
+fn style() -> String {
+    format!("/* uPlot\n{}*/\n{PLOT_STYLE}\n{}", PLOT_LICENCE.trim_end(), flush(STYLE))
+}
+
+/// A text with each part in the place of its mark.
+fn filled(whole: &str, parts: &[(&str, String)]) -> String {
+    let mut rest = whole;
     let mut page = String::new();
     for (mark, part) in parts {
         let (before, after) =
             rest.split_once(mark).expect("the page has a place for each part, in this order");
         page.push_str(before);
-        page.push_str(&part);
+        page.push_str(part);
         rest = after;
     }
     page + rest
@@ -84,8 +102,11 @@ mod tests {
 
     #[test]
     fn the_page_is_whole_and_asks_for_nothing_outside() {
-        let page = page(&[0x1f, 0x8b, 8]);
-        assert!(page.contains(&base85::encode(&[0x1f, 0x8b, 8])) && page.trim_end().ends_with("</html>"));
+        let page = page(&[0x1f, 0x8b, 8], &[0x1f, 0x8b, 9]);
+        assert!(page.trim_end().ends_with("</html>"));
+        for packed in [[0x1f, 0x8b, 8], [0x1f, 0x8b, 9]] {
+            assert!(page.contains(&format!(">{}</script>", base85::encode(&packed))));
+        }
         let of = |text: &str| page.matches(text).count();
         // A script that held the end of one would end there.
         assert_eq!((of("<script"), of("</script>")), (4, 4));

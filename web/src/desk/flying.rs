@@ -3,6 +3,7 @@
 use serde::Serialize;
 use std::collections::VecDeque;
 use twinrotor::axes::PerAxis;
+use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::reference::Reference;
 use twinrotor::sequence::Sequence;
@@ -38,7 +39,7 @@ enum Stage {
 #[derive(Debug, Clone)]
 pub struct Flying {
     scenario: Scenario,
-    controller: String,
+    controller: (String, ControllerSettings<f64>),
     course: Course,
     stage: Stage,
     frames: Vec<Frame>,
@@ -75,6 +76,11 @@ pub struct Flown {
     pub scenario: String,
     /// With what.
     pub controller: String,
+    /// The same in full.
+    #[serde(skip)]
+    pub flew: ControllerSettings<f64>,
+    /// On which rig.
+    pub preset: String,
     /// In numbers, as `host-sim fly` reports a record.
     pub report: Report,
     /// Its curves: time \[s\], angles and references \[deg\], volts.
@@ -97,7 +103,7 @@ pub struct Curves {
 impl Flying {
     /// From level, to which the rig goes first; `tick` is the board's.
     #[must_use]
-    pub fn new(scenario: Scenario, controller: String, tick: u32) -> Self {
+    pub fn new(scenario: Scenario, controller: (String, ControllerSettings<f64>), tick: u32) -> Self {
         let course = Course::new(scenario.references());
         let stage = Stage::Rising { from: tick, unsteady: tick };
         Self { scenario, controller, course, stage, frames: Vec::new() }
@@ -157,7 +163,7 @@ impl Flying {
     }
 
     /// What it came to.
-    fn flown(self, number: usize, rig: &Rig) -> Option<Flown> {
+    fn flown(self, number: usize, (preset, rig): (&str, &Rig)) -> Option<Flown> {
         let Self { scenario, controller, stage: Stage::Begun(from), frames, .. } = self else { return None };
         let flight = flown(&frames, from, rig, &scenario);
         let mut curves = Curves::default();
@@ -170,7 +176,9 @@ impl Flying {
             curves.main_volts.push(row.volts.main);
             curves.tail_volts.push(row.volts.tail);
         }
-        Some(Flown { number, scenario: scenario.name, controller, report: flight.report, curves })
+        let (controller, flew) = controller;
+        let (preset, report) = (preset.to_owned(), flight.report);
+        Some(Flown { number, scenario: scenario.name, controller, flew, preset, report, curves })
     }
 }
 
@@ -195,7 +203,7 @@ impl Flights {
     }
 
     /// Keeps one that is over.
-    pub fn note(&mut self, flying: Flying, rig: &Rig) {
+    pub fn note(&mut self, flying: Flying, rig: (&str, &Rig)) {
         let Some(flown) = flying.flown(self.count + 1, rig) else { return };
         self.count += 1;
         self.kept.push_back(flown);

@@ -1,24 +1,27 @@
-//! An operator's place: a simulated board with its rig, the client that speaks to it, and what of its
-//! telemetry is drawn. Time is the board's: it passes when the page lets it.
+//! An operator's place: the client that speaks to a board, and what of its telemetry is drawn. The board is
+//! simulated here with its rig, and then time is the board's: it passes when the page lets it. Or it is at
+//! the other end of a line, whose bytes and time somebody else carries.
 
+pub mod bench;
 pub mod faults;
 pub mod flying;
+mod line;
 mod orders;
 pub mod samples;
 pub mod status;
 pub mod tuning;
 
-use faults::{Fault, Present};
+use bench::Bench;
 use flying::{Flights, Flying, Wish};
 use serde::Deserialize;
 use status::Journal;
 use std::time::Duration;
 use tuning::Tuning;
-use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::defaults;
 use twinrotor::first_power::Verdict;
-use twinrotor::link::{BAUD, Identity, ToBoard, ToHost, ticks_per_frame};
+use twinrotor::link::{Identity, ToBoard, ToHost};
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, Parameters};
@@ -29,13 +32,9 @@ use twinrotor_sim::error::known_name;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::{Error, Outcome};
 use twinrotor_station::client::{Answer, Client, Event, Question};
-use twinrotor_station::{SimulatedBoard, words};
+use twinrotor_station::words;
 use twinrotor_tune::design::CATALOGUE;
 
-/// \[V\] Most that a disturbance may add to the volts in effect at a rotor.
-pub const MOST_DISTURBANCE: f32 = 12.0;
-/// \[ticks\] How often a hand stops a rig that swings on the ground: an Aero 2 swings on for two minutes.
-const STEADY_EVERY: u64 = 500;
 /// The preset's own controller.
 pub const OWN: &str = "own";
 
@@ -43,8 +42,10 @@ pub const OWN: &str = "own";
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Choice {
-    preset: String,
-    controller: String,
+    /// Of the rig.
+    pub preset: String,
+    /// `own`, or of the catalogue.
+    pub controller: String,
 }
 
 impl Default for Choice {
@@ -57,25 +58,22 @@ impl Default for Choice {
 pub struct Desk {
     preset: String,
     rig: Rig,
-    board: SimulatedBoard,
-    /// \[V\] Of the amplifiers, as it should be.
-    supply: f32,
+    /// The board, if it is simulated here.
+    bench: Option<Bench>,
     client: Client,
+    /// Milliseconds of the board's time here, of the line's clock there.
     ticks: u64,
+    /// Counts the boards that there have been: what was drawn of one is not the next one's.
+    pub number: u32,
     parameters: Parameters,
     identity: Option<Identity>,
     frame: Option<Frame>,
     /// \[ticks\] When the board was heard last.
     heard: u64,
-    faults: Present,
-    /// \[V\] Of the wind, and of a hand at the rig.
-    disturbance: PerMotor<f32>,
-    push: PerMotor<f32>,
-    gusts: Vec<PerMotor<f32>>,
-    /// A hand steadies the rig while its motors get nothing.
-    steadied: bool,
-    /// Since when a zero is wanted.
-    zeroing: Option<u64>,
+    /// What is wrong with the line or the board at its end, and what to do.
+    trouble: Option<String>,
+    /// Since when a zero is wanted, and when the board is asked for it again.
+    zeroing: Option<(u64, u64)>,
     flying: Option<Flying>,
     flights: Flights,
     tuning: Tuning,
@@ -111,41 +109,41 @@ impl Desk {
         parameters.validate().map_err(unusable)?;
         let mut store = Store::new(RamFlash::default(), 0);
         parameters::save(&mut store, &parameters, &mut [0; SLOT_SIZE]).map_err(unusable)?;
-        let board = SimulatedBoard::new(&rig, parameters, store.into_flash());
+        let bench = Bench::new(&rig, parameters, store.into_flash());
+        let tuning = Tuning::new(&choice.controller, controller);
+        Ok(Self::with(choice.preset.clone(), rig, Some(bench), parameters, tuning))
+    }
+
+    fn with(preset: String, rig: Rig, bench: Option<Bench>, parameters: Parameters, tuning: Tuning) -> Self {
         let mut client = Client::new();
         client.resynchronise();
         client.ask(Question::Identify, Duration::ZERO);
-        client.send(&ToBoard::Telemetry { every: ticks_per_frame(BAUD) });
-        Ok(Self {
-            preset: choice.preset.clone(),
+        Self {
+            preset,
             rig,
-            supply: board.rig.bench.supply,
-            board,
+            bench,
             client,
             ticks: 0,
+            number: 0,
             parameters,
             identity: None,
             frame: None,
             heard: 0,
-            faults: Present::default(),
-            disturbance: PerMotor::zero(),
-            push: PerMotor::zero(),
-            gusts: Vec::new(),
-            steadied: true,
+            trouble: None,
             zeroing: None,
             flying: None,
             flights: Flights::default(),
-            tuning: Tuning::new(&choice.controller, controller),
+            tuning,
             journal: Journal::default(),
             samples: Vec::new(),
-        })
+        }
     }
 
     fn now(&self) -> Duration {
         Duration::from_millis(self.ticks)
     }
 
-    /// Lets so many ticks pass. Gives how many rows [`Desk::samples`] has for them.
+    /// Lets so many ticks of a simulated board pass. Gives how many rows [`Desk::samples`] has for them.
     pub fn advance(&mut self, ticks: u32) -> usize {
         self.samples.clear();
         for _ in 0..ticks {
@@ -161,55 +159,48 @@ impl Desk {
     }
 
     fn tick(&mut self) {
+        let said = self.say();
+        let Some(bench) = &mut self.bench else { return };
+        let came = bench.exchange(&said, self.ticks);
         let now = self.now();
-        if let Some(Event::Answered(Err(error))) = self.client.poll(now) {
-            self.journal.trouble(self.ticks, error.to_string());
+        self.ticks += 1;
+        self.listen(&came, now);
+    }
+
+    /// What is to be said to the board now.
+    fn say(&mut self) -> Vec<u8> {
+        if let Some(Event::Answered(Err(error))) = self.client.poll(self.now()) {
+            self.unanswered(&error);
         }
         self.zero_again();
-        let said = self.client.take_outgoing();
-        let connected = !self.faults.has(Fault::LinkLost);
-        if connected {
-            self.board.push(&said);
-        }
-        let gust = usize::try_from(self.ticks).unwrap_or(0).checked_rem(self.gusts.len());
-        let gust = gust.map_or(PerMotor::zero(), |now| self.gusts[now]);
-        let all = self.disturbance.plus(gust).plus(self.push);
-        self.board.rig.bench.disturbance = all.map(|volts| volts.clamp(-MOST_DISTURBANCE, MOST_DISTURBANCE));
-        let idle = |frame: Frame| frame.state != ArmState::Armed && frame.volts == PerMotor::zero();
-        if self.steadied && self.ticks.is_multiple_of(STEADY_EVERY) && idle(self.board.frame()) {
-            self.board.rig.bench.steady();
-        }
-        self.board.tick();
-        self.ticks += 1;
-        let came = self.board.take_outgoing();
-        if connected {
-            for event in self.client.push(&came, now) {
-                self.take(event);
-            }
+        self.client.take_outgoing()
+    }
+
+    fn listen(&mut self, came: &[u8], now: Duration) {
+        for event in self.client.push(came, now) {
+            self.take(event);
         }
     }
 
     fn take(&mut self, event: Event) {
         match event {
-            Event::Message(ToHost::Frame(frame)) => self.hear(frame),
+            Event::Message(ToHost::Frame(frame)) => self.look(frame),
             Event::Message(ToHost::Verdict(verdict)) => self.checked(&verdict),
             Event::Message(ToHost::Refused(refusal)) => {
                 self.journal.trouble(self.ticks, words::refusal(&refusal));
             }
+            Event::Message(ToHost::Identity(identity)) => self.meet_again(&identity),
             Event::Message(_) | Event::Damaged => {}
-            Event::Answered(Ok(Answer::Identity(identity))) => {
-                self.journal.note(self.ticks, format!("connected: firmware {}", identity.firmware));
-                self.identity = Some(identity);
-            }
+            Event::Answered(Ok(Answer::Identity(identity))) => self.meet(identity),
             Event::Answered(Ok(Answer::Parameters(kept))) => {
-                self.parameters = *kept;
+                self.adopt(*kept);
                 if self.tuning.saved != self.tuning.accepted {
                     self.tuning.saved = self.tuning.accepted;
                     self.journal.note(self.ticks, "saved: the board boots with this controller from now on");
                 }
             }
             Event::Answered(Ok(Answer::Replayed(_))) => {}
-            Event::Answered(Err(error)) => self.journal.trouble(self.ticks, error.to_string()),
+            Event::Answered(Err(error)) => self.unanswered(&error),
         }
     }
 
@@ -222,11 +213,13 @@ impl Desk {
         }
     }
 
-    fn hear(&mut self, frame: Frame) {
+    fn look(&mut self, frame: Frame) {
         let before = self.frame.replace(frame);
         self.heard = self.ticks;
-        if frame.tick.is_multiple_of(samples::EVERY) {
-            self.samples.extend(samples::row(&frame, self.board.rig.bench.rotor_volts()));
+        let place = |frame: &Frame| frame.tick / samples::EVERY;
+        if before.is_none_or(|before| place(&before) != place(&frame)) {
+            let rotors = self.bench.as_ref().map(|bench| bench.board.rig.bench.rotor_volts());
+            self.samples.extend(samples::row(&frame, rotors));
         }
         if let Some(before) = before {
             self.compare(&before, &frame);
@@ -241,7 +234,12 @@ impl Desk {
                 ArmState::Fault(cause) => {
                     self.journal.trouble(self.ticks, format!("motors off: {}", words::condition(cause)));
                 }
-                state => self.journal.note(self.ticks, words::state(state)),
+                state => {
+                    self.journal.note(self.ticks, words::state(state));
+                    if state == ArmState::Armed {
+                        self.trouble = None;
+                    }
+                }
             }
         }
         let (was, is) = (before.controller.trial, now.controller.trial);
@@ -272,7 +270,7 @@ impl Desk {
             }
             Wish::End => {
                 if let Some(flying) = self.flying.take() {
-                    self.flights.note(flying, &self.rig);
+                    self.flights.note(flying, (&self.preset, &self.rig));
                     self.journal.note(self.ticks, "flown to its end; back to level");
                 }
                 self.client.aim(PerAxis::zero());

@@ -1,5 +1,6 @@
 //! What an operator orders: of the board over its link, and of the simulated rig by hand.
 
+use super::bench::Bench;
 use super::flying::{Flights, Flying};
 use super::tuning::Tuning;
 use super::{Desk, controller};
@@ -34,20 +35,21 @@ impl Desk {
     /// To take where the rig lies for its rest pose, as soon as it lies still.
     pub fn zero(&mut self) {
         self.client.send(&ToBoard::Zero);
-        self.zeroing = Some(self.ticks);
+        self.zeroing = Some((self.ticks, self.ticks + ZERO_EVERY));
     }
 
     /// A board takes no zero while the rig moves: it is asked again.
     pub(super) fn zero_again(&mut self) {
-        let Some(begun) = self.zeroing else { return };
+        let Some((begun, again)) = self.zeroing else { return };
         let wanted = self.frame.is_some_and(|frame| frame.conditions.contains(Condition::NotZeroed));
         match self.ticks - begun {
             waited if wanted && waited >= LONGEST_REST => {
                 self.zeroing = None;
                 self.journal.trouble(self.ticks, "not zeroed: the rig does not come to rest");
             }
-            waited if wanted && waited % ZERO_EVERY == ZERO_EVERY - 1 => {
+            _ if wanted && self.ticks >= again => {
                 self.client.send(&ToBoard::Zero);
+                self.zeroing = Some((begun, again + ZERO_EVERY));
             }
             waited if !wanted && waited >= ZERO_EVERY => self.zeroing = None,
             _ => {}
@@ -74,42 +76,44 @@ impl Desk {
         if let Some(refusal) = scenario.references().iter().find_map(outside) {
             return Err(Error::Unusable(words::refusal(&refusal)));
         }
-        self.gusts = scenario.disturbance.map_or_else(Vec::new, |_| scenario.disturbances(1));
+        if let Some(bench) = &mut self.bench {
+            bench.gusts = scenario.disturbance.map_or_else(Vec::new, |_| scenario.disturbances(1));
+        }
         self.client.send(&ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
-        let label = self.tuning.label(frame.controller.trial != TrialPhase::None);
-        self.flying = Some(Flying::new(scenario, label, frame.tick));
+        let flies = self.tuning.in_force(frame.controller.trial != TrialPhase::None);
+        self.flying = Some(Flying::new(scenario, flies, frame.tick));
         Ok(())
+    }
+
+    /// The simulated rig, for a hand at it.
+    ///
+    /// # Errors
+    ///
+    /// If the board is at the other end of a line.
+    pub fn bench(&mut self) -> Outcome<&mut Bench> {
+        let real = || Error::Unusable("only a rig that is simulated here can be disturbed".to_owned());
+        self.bench.as_mut().ok_or_else(real)
     }
 
     /// Wind: steady \[V\] at each motor, and with or without gusts.
     ///
     /// # Errors
     ///
-    /// Never: scenario 3 is there.
+    /// If the rig is not simulated here.
     pub fn disturb(&mut self, steady: PerMotor<f32>, gusts: bool) -> Outcome<()> {
-        self.disturbance = steady;
-        self.gusts = if gusts { Scenario::named("3")?.disturbances(1) } else { Vec::new() };
+        let bench = self.bench()?;
+        bench.wind = steady;
+        bench.gusts = if gusts { Scenario::named("3")?.disturbances(1) } else { Vec::new() };
         Ok(())
-    }
-
-    /// A hand at the rig, as volts at each motor; zero lets it go.
-    pub fn push(&mut self, push: PerMotor<f32>) {
-        self.push = push;
-    }
-
-    /// Whether a hand steadies the rig on the ground.
-    pub fn steady(&mut self, steadied: bool) {
-        self.steadied = steadied;
     }
 
     /// A fault comes or goes.
     ///
     /// # Errors
     ///
-    /// If there is none of that name.
+    /// If there is none of that name, or the rig is not simulated here.
     pub fn fault(&mut self, name: &str, present: bool) -> Outcome<()> {
-        let words = self.faults.set(name, present)?;
-        self.faults.apply(&mut self.board, &self.rig, self.supply);
+        let words = self.bench()?.fault(name, present)?;
         self.journal.note(self.ticks, if present { words.to_owned() } else { format!("mended: {words}") });
         Ok(())
     }

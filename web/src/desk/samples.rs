@@ -50,12 +50,14 @@ pub const TABLE: [Column; COLUMNS] = [
     column("clipped", "-"),
 ];
 
-/// A frame as a row; `rotors` \[V\] are the volts in effect at the rotors, which telemetry does not tell.
+/// A frame as a row; `rotors` \[V\] are the volts in effect at the rotors, which telemetry does not tell: not
+/// a number where they are not known.
 #[must_use]
-pub fn row(frame: &Frame, rotors: PerMotor<f32>) -> [f32; COLUMNS] {
+pub fn row(frame: &Frame, rotors: Option<PerMotor<f32>>) -> [f32; COLUMNS] {
     let (angle, reference, rate) = (frame.angle, frame.reference, frame.rate);
     let error = reference.minus(angle);
     let deg = f32::to_degrees;
+    let rotors = rotors.unwrap_or(PerMotor::both(f32::NAN));
     #[expect(clippy::cast_possible_truncation, reason = "milliseconds are told apart for hours")]
     let time = (f64::from(frame.tick) * SAMPLE_TIME) as f32;
     let beyond = |demand: f32, volts: f32| demand.abs() > volts.abs() + 1e-3;

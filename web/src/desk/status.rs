@@ -5,6 +5,7 @@ use super::faults::Listed;
 use super::flying::Progress;
 use super::{Desk, samples};
 use serde::Serialize;
+use std::collections::VecDeque;
 use twinrotor::axes::PerMotor;
 use twinrotor::supervisor::{ArmState, Condition, Conditions};
 use twinrotor::telemetry::{Frame, Kept, TrialPhase};
@@ -13,18 +14,26 @@ use twinrotor_station::words;
 /// \[ticks\] Of silence after which the page says so.
 const SILENT: u64 = 200;
 
+/// How much of what happened is kept.
+const KEPT: usize = 200;
+
 /// Something that happened.
 #[derive(Debug, Clone, Serialize)]
 pub struct Entry {
+    /// Counted from 1.
+    number: u64,
     /// \[s\] When.
     time: f64,
     words: String,
     trouble: bool,
 }
 
-/// What happened since it was read last.
+/// What happened.
 #[derive(Debug, Default)]
-pub struct Journal(Vec<Entry>);
+pub struct Journal {
+    entries: VecDeque<Entry>,
+    count: u64,
+}
 
 impl Journal {
     /// Something that is well.
@@ -40,7 +49,16 @@ impl Journal {
     fn enter(&mut self, ticks: u64, words: String, trouble: bool) {
         #[expect(clippy::cast_precision_loss, reason = "exact for thousands of years of milliseconds")]
         let time = ticks as f64 * 1e-3;
-        self.0.push(Entry { time, words, trouble });
+        self.count += 1;
+        self.entries.push_back(Entry { number: self.count, time, words, trouble });
+        if self.entries.len() > KEPT {
+            self.entries.pop_front();
+        }
+    }
+
+    /// After the entry of that number.
+    fn since(&self, number: u64) -> Vec<Entry> {
+        self.entries.iter().filter(|entry| entry.number > number).cloned().collect()
     }
 }
 
@@ -71,13 +89,19 @@ pub struct Steps {
 /// All of it.
 #[derive(Debug, Serialize)]
 pub struct Status {
-    /// \[s\] Of simulated time.
+    /// \[s\] Of simulated time, or of the line's clock.
     time: f64,
+    /// Which board it is: another one is drawn anew.
+    board: u32,
+    /// The rig is simulated here.
+    simulated: bool,
     preset: String,
     /// \[V\]
     volts_limit: PerMotor<f64>,
     firmware: Option<String>,
     silent: bool,
+    /// What is wrong with the line or the board at its end, and what to do.
+    trouble: Option<String>,
     state: &'static str,
     cause: Option<&'static str>,
     wrong: Vec<Wrong>,
@@ -94,8 +118,9 @@ pub struct Status {
 }
 
 impl Desk {
-    /// Where it stands. What happened since the last time is told once.
-    pub fn status(&mut self) -> Status {
+    /// Where it stands, with what happened after the entry of the journal of the number `since`.
+    #[must_use]
+    pub fn status(&self, since: u64) -> Status {
         let frame = self.frame.unwrap_or_default();
         let known = self.frame.is_some();
         #[expect(clippy::cast_precision_loss, reason = "exact for thousands of years of milliseconds")]
@@ -108,10 +133,13 @@ impl Desk {
         });
         Status {
             time,
+            board: self.number,
+            simulated: self.bench.is_some(),
             preset: self.preset.clone(),
             volts_limit: self.rig.volts_limit,
             firmware: self.identity.as_ref().map(|identity| identity.firmware.to_string()),
             silent: self.ticks > self.heard + SILENT,
+            trouble: self.trouble.clone().or_else(|| self.quiet()),
             state: if known { words::state(frame.state) } else { "connecting" },
             cause: match frame.state {
                 ArmState::Fault(cause) => Some(words::condition(cause)),
@@ -125,8 +153,8 @@ impl Desk {
             unsaved: frame.controller.accepted == Kept::Unsaved,
             flying: self.flying.as_ref().map(|flying| flying.progress(frame.tick)),
             flights: self.flights.count(),
-            faults: self.faults.list(),
-            journal: std::mem::take(&mut self.journal.0),
+            faults: self.bench.as_ref().map_or_else(Vec::new, |bench| bench.faults.list()),
+            journal: self.journal.since(since),
         }
     }
 

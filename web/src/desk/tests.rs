@@ -14,7 +14,7 @@ fn ask(page: &mut Page, request: &Value) -> Result<Value, String> {
 }
 
 fn status(page: &mut Page) -> Value {
-    ask(page, &json!("status")).unwrap()
+    ask(page, &json!({ "status": { "since": 0 } })).unwrap()
 }
 
 fn wait(page: &mut Page, ticks: u32, what: &str, done: impl Fn(&Value) -> bool) -> Value {
@@ -67,7 +67,7 @@ fn a_board_is_checked_zeroed_armed_flown_and_stopped() {
     // The next tick but one after the word, on the board itself.
     ask(&mut page, &json!({ "supervisor": "disarm" })).unwrap();
     page.desk.advance(2);
-    assert_eq!(page.desk.board.frame().volts, twinrotor::axes::PerMotor::zero());
+    assert_eq!(page.desk.bench().unwrap().board.frame().volts, twinrotor::axes::PerMotor::zero());
     state(&mut page, 300, "ready");
 }
 
@@ -115,7 +115,7 @@ fn every_fault_is_answered_by_the_boards_own_supervisor() {
         if lost {
             wait(&mut page, 1_000, name, |status| status["silent"] == true);
             page.desk.advance(1_000);
-            assert_eq!(page.desk.board.frame().volts, twinrotor::axes::PerMotor::zero());
+            assert_eq!(page.desk.bench().unwrap().board.frame().volts, twinrotor::axes::PerMotor::zero());
         } else {
             let stopped = wait(&mut page, 10_000, name, |status| status["state"] == "fault");
             let cause = stopped["cause"].as_str().unwrap();

@@ -117,13 +117,13 @@ impl Tuning {
         Ok(())
     }
 
-    /// What an operator calls the controller in force.
+    /// The controller in force, with what an operator calls it.
     #[must_use]
-    pub fn label(&self, trial: bool) -> String {
-        match (trial, self.tried.len()) {
-            (true, number) => format!("trial {number}"),
-            (false, _) if self.accepted == self.saved => format!("{} as saved", self.name),
-            (false, _) => format!("{} as accepted", self.name),
+    pub fn in_force(&self, trial: bool) -> (String, ControllerSettings<f64>) {
+        match self.tried.last() {
+            Some(tried) if trial => (format!("trial {}", self.tried.len()), *tried),
+            _ if self.accepted == self.saved => (format!("{} as saved", self.name), self.accepted),
+            _ => (format!("{} as accepted", self.name), self.accepted),
         }
     }
 

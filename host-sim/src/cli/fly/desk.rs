@@ -1,19 +1,17 @@
 //! A session at its line, until it is over, whatever happens.
 
 use super::ask::Question;
-use crate::line::Line;
+use crate::line::{self, Line};
 use crate::stop;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::PerAxis;
-use twinrotor::link::{Decoder, Health, ToBoard, ToHost};
+use twinrotor::link::Health;
 use twinrotor::parameters::Parameters;
 use twinrotor::telemetry::Frame;
-use twinrotor_station::Client;
 use twinrotor_station::differences::Difference;
 use twinrotor_station::session::{End, Ending, Event, Session};
-use twinrotor_station::switch_off::SwitchOff;
 use twinrotor_station::words;
 
 /// \[ticks\] From one line of progress to the next.
@@ -164,37 +162,13 @@ impl Desk {
             ));
         }
     }
-
-    /// Motors off without the session, which may be what has failed.
-    fn switch_off(&mut self) {
-        let (mut client, mut decoder) = (Client::new(), Decoder::new());
-        let mut off = SwitchOff::new(self.line.now());
-        while !off.is_over(self.line.now()) {
-            if off.say(self.line.now()) {
-                client.send(&ToBoard::Disarm);
-            }
-            let heard = self.line.exchange(&client.take_outgoing()).unwrap_or_default();
-            for frame in heard.iter().filter_map(|&byte| decoder.push::<ToHost>(byte)) {
-                if let Ok(ToHost::Frame(frame)) = frame {
-                    off.hear(&frame);
-                }
-            }
-        }
-        if !off.is_seen() {
-            use std::io::Write;
-            let _ = writeln!(std::io::stderr(), "{NOT_SEEN}");
-        }
-    }
 }
-
-/// What there is to say where nobody knows whether a motor turns.
-pub(super) const NOT_SEEN: &str = "Disarm was sent again and again, and the board was NOT seen to switch its \
-                                   motors off: switch off the amplifiers' supply now";
 
 impl Drop for Desk {
     fn drop(&mut self) {
         if !self.session.is_over() {
-            self.switch_off();
+            // The session may be what has failed.
+            line::switch_off(&mut *self.line);
         }
     }
 }
