@@ -31,4 +31,11 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
+axe=$folder/axe/node_modules/axe-core/axe.min.js
+if command -v npm >/dev/null; then
+  [ -f $axe ] || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+  node web/tests/axe.mjs $folder/heli.html $axe
+else
+  echo "accessibility not checked: there is no npm here (apt-get install npm)"
+fi
 node web/tests/monitor.mjs $host_sim 60 "${1:-}"

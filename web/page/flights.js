@@ -101,8 +101,8 @@ export class Flights {
         time.map((/** @type {number} */ _, /** @type {number} */ k) => flight.curves[column][k] ?? null),
       );
     };
-    line(last, "pitch_reference", "references", "text", 1, [2, 3]);
-    line(last, "yaw_reference", "", "text", 1, [2, 3]);
+    line(last, "pitch_reference", "pitch, wanted", "text", 1, [2, 3]);
+    line(last, "yaw_reference", "yaw, wanted", "text", 1, [2, 3]);
     for (const [flight, width, dash] of /** @type {[any, number, number[]][]} */ ([
       [before, 1.4, [7, 4]],
       [last, 2.2, []],

@@ -1,5 +1,5 @@
-//! Short lessons: Markdown files that a teacher edits (`web/lessons/`), each with a task that is checked by the
-//! numbers of the last two flights.
+//! Short lessons: Markdown files that a teacher edits (`web/lessons/`), each with a task that is checked by
+//! the numbers of the last two flights.
 //!
 //! The first line is the title. A line `- check: LEFT OP RIGHT` is a part of the task, where OP is `<`, `<=`,
 //! `>`, `>=` or `is`. A side is a number, a word, or what a flight has, `last.` or `before.` and then

@@ -54,7 +54,7 @@ impl Monitor {
             Board::Simulated(choice) => {
                 let mut desk = Desk::new(&choice).map_err(Failure::of_flag)?;
                 desk.take_off();
-                (desk, Way::Here(Pace::new(true, Duration::ZERO)))
+                (desk, Way::Here(Box::new(Pace::new(true, Duration::ZERO))))
             }
             Board::Line(name, line) => (Desk::at_a_line(), Way::There(name, Some(line))),
         };

@@ -49,7 +49,7 @@ pub(super) enum Told {
 /// Where the board's bytes go.
 pub(super) enum Way {
     /// To a board that the desk simulates, in real time.
-    Here(Pace),
+    Here(Box<Pace>),
     /// To a line of this name, if it is open.
     There(String, Option<Box<dyn Line>>),
 }
