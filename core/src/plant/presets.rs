@@ -25,8 +25,7 @@ pub struct Rig {
     pub nominal_volts: f64,
     /// Encoder counts a revolution, all four edges counted.
     pub encoder_counts: PerAxis<u32>,
-    /// The board that flies it. No preset names one, and no file of a rig has it: it is what `--board` says, or
-    /// what a board says of itself.
+    /// The board that flies it, from outside: no file of a rig has one.
     #[serde(skip)]
     pub board: Board,
     /// \[rad\] Where it lies with the motors off, seen from the horizontal.

@@ -1,6 +1,6 @@
-//! ST STM32F4-Discovery: an STM32F407VG with an 8 MHz crystal, at 3.0 V. Its codec, microphone, USB connector,
-//! accelerometer and button have pins of their own (UM1472, table 7); these are free, but for PB3, whose trace
-//! output to the ST-LINK is given up. The LED is its green one.
+//! ST STM32F4-Discovery: an STM32F407VG with an 8 MHz crystal, at 3.0 V. Its codec, microphone, USB
+//! connector, accelerometer and button have pins of their own (UM1472, table 7); these are free, but for PB3,
+//! whose trace output to the ST-LINK is given up. The LED is its green one.
 
 use super::{Board, Button, Clocks, Source};
 use twinrotor::board;

@@ -142,7 +142,10 @@ mod every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit {
         };
     }
 
-    fly!(paper: "paper", paper_fixed: "paper-fixed", aero: "aero", aero2: "aero2", aero_lab: "aero-lab", heli: "heli");
+    fly!(
+        paper: "paper", paper_fixed: "paper-fixed", aero: "aero",
+        aero2: "aero2", aero_lab: "aero-lab", heli: "heli"
+    );
 
     #[test]
     fn and_there_is_no_other() {
