@@ -5,7 +5,8 @@ use crate::board::Board;
 use crate::plant::presets::{Envelope, Rig, Supply};
 
 impl Parameters {
-    /// The rig as the record has it, at `board`: the whole plant, the encoders, the rest pose to a count. A supply that just reaches the larger voltage limit.
+    /// The rig as the record has it, at `board`: the whole plant, the encoders, the rest pose to a count. A
+    /// supply that just reaches the larger voltage limit.
     #[must_use]
     pub fn rig(&self, board: Board) -> Rig {
         let volts_limit = self.settings.volts_limit.map(f64::from);

@@ -25,9 +25,8 @@ pub struct Rig {
     pub nominal_volts: f64,
     /// Encoder counts a revolution, all four edges counted.
     pub encoder_counts: PerAxis<u32>,
-    /// The board that flies it. No preset names one, and no file of a rig has it: it is what `--board` says, or
-    /// what a board says of itself.
-    /// A file of before there were boards has its PWM's steps here, which are read over.
+    /// The board that flies it, from outside: no file of a rig has one. In files of before there were boards
+    /// stands how many steps its PWM has, which is read over.
     #[serde(rename = "pwm_steps", default, skip_serializing, deserialize_with = "former_pwm_steps")]
     pub board: Board,
     /// \[rad\] Where it lies with the motors off, seen from the horizontal.

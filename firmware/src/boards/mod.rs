@@ -5,7 +5,7 @@
 //! which the tests on the host read too; on the target, `wiring!` also hands out the pins by their type, so
 //! that a pin which cannot do what it is named for does not compile.
 
-use twinrotor::drive::{PWM_HZ, full_steps};
+use twinrotor::drive::PWM_HZ;
 
 /// What differs between boards.
 pub(crate) struct Board {
@@ -63,7 +63,7 @@ impl Board {
     /// Compare steps from zero to the full supply.
     #[cfg(not(all(target_os = "none", feature = "simulated")))]
     pub(crate) const fn full_steps(&self) -> u32 {
-        full_steps(self.clocks.pwm_timer_hz())
+        twinrotor::drive::full_steps(self.clocks.pwm_timer_hz())
     }
 
     /// \[counts\] The dead time, in periods of the PWM's timer (reference manual RM0090, 17.4.18: DTG up to

@@ -28,8 +28,8 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// A board of that kind that was given `parameters` before and computes the rig of which they speak, in its rest pose.
-    /// Its wiring has been checked.
+    /// A board of that kind that was given `parameters` before and computes the rig of which they speak, in
+    /// its rest pose. Its wiring has been checked.
     ///
     /// # Errors
     ///

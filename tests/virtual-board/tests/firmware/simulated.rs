@@ -103,31 +103,53 @@ fn text(name: &str) -> twinrotor_sim::Outcome<String> {
     Ok(std::fs::read_to_string(path).unwrap())
 }
 
-/// What a board's owner sends back, here: every preset's rig with its own controller, from checked to landed.
+/// What a board's owner sends back, here: a preset's rig with its own controller, from checked to landed.
 /// `TWINROTOR_SIMULATED=60` flies every scenario instead, each for at most so many seconds.
-#[test]
-fn every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit() {
+fn flies(preset: &str) {
     let seconds = std::env::var("TWINROTOR_SIMULATED").ok().map(|text| text.parse::<f64>().expect("seconds"));
-    for (preset, _) in presets::ALL {
-        let parameters = parameters(preset);
-        let mut machine = board(&parameters);
-        let legs = match seconds {
-            None => vec![step(1_500)],
-            Some(seconds) => SCENARIOS
-                .iter()
-                .map(|name| {
-                    let mut scenario = Scenario::load(name, &text).unwrap();
-                    scenario.duration = scenario.duration.min(seconds);
-                    Leg::Fly(scenario.references())
-                })
-                .collect(),
+    let parameters = parameters(preset);
+    let mut machine = board(&parameters);
+    let legs = match seconds {
+        None => vec![step(1_500)],
+        Some(seconds) => SCENARIOS
+            .iter()
+            .map(|name| {
+                let mut scenario = Scenario::load(name, &text).unwrap();
+                scenario.duration = scenario.duration.min(seconds);
+                Leg::Fly(scenario.references())
+            })
+            .collect(),
+    };
+    let ticks: usize = legs.iter().map(|leg| if let Leg::Fly(r) = leg { r.len() } else { 0 }).sum();
+    let (end, same) = fly_twice(&mut machine, plan(&parameters, legs, Vec::new()));
+    assert_eq!(end, End { ending: Ending::Flown, motors: Motors::SeenOff }, "{preset}");
+    assert!(same > ticks, "{preset}: {same} ticks");
+    println!("{preset}: bit for bit equal over {same} ticks");
+    assert_nothing_left(&mut machine);
+}
+
+mod every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit {
+    use super::{flies, presets};
+
+    /// A test for each preset, so that they fly at the same time.
+    macro_rules! fly {
+        ($($test:ident: $preset:literal),*) => {
+            const FLOWN: &[&str] = &[$($preset),*];
+            $(#[test]
+            fn $test() {
+                flies($preset);
+            })*
         };
-        let ticks: usize = legs.iter().map(|leg| if let Leg::Fly(r) = leg { r.len() } else { 0 }).sum();
-        let (end, same) = fly_twice(&mut machine, plan(&parameters, legs, Vec::new()));
-        assert_eq!(end, End { ending: Ending::Flown, motors: Motors::SeenOff }, "{preset}");
-        assert!(same > ticks, "{preset}: {same} ticks");
-        println!("{preset}: bit for bit equal over {same} ticks");
-        assert_nothing_left(&mut machine);
+    }
+
+    fly!(
+        paper: "paper", paper_fixed: "paper-fixed", aero: "aero",
+        aero2: "aero2", aero_lab: "aero-lab", heli: "heli"
+    );
+
+    #[test]
+    fn and_there_is_no_other() {
+        assert_eq!(presets::ALL.map(|(preset, _)| preset), FLOWN);
     }
 }
 
