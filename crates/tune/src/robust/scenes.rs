@@ -272,21 +272,19 @@ mod tests {
         assert!((pushes.iter().sum::<f32>() - 1000.0).abs() < 1.0);
     }
 
-    /// Where the rig knows its motors, hot ones follow reversals less.
+    /// Heat matters where the rig knows its motors, and nowhere else.
     #[test]
-    fn hot_motors_cost_error() {
-        for (rig, controller, cost) in [(AERO2, defaults::AERO2, 0.01), (PAPER, defaults::PAPER, 0.0)] {
-            let trial = Trial::new(&rig, 16, 3, 4.0).flying(Scenes::All);
+    fn hot_motors_fly_otherwise_where_they_are_known() {
+        for (rig, controller) in [(AERO2, defaults::AERO2), (PAPER, defaults::PAPER)] {
+            let trial = Trial::new(&rig, 4, 3, 4.0).flying(Scenes::All);
             let settings = Settings::new(&rig, controller, SAMPLE_TIME).map(f32::from_f64);
             let fly = |hot| {
-                let courses =
-                    [Course::step(&trial), Course { hot, ..Course::scene(&trial, Scene::HotReversals) }];
+                let reversals = Course { hot, ..Course::scene(&trial, Scene::HotReversals) };
+                let courses = [Course::step(&trial), reversals];
                 let never = crate::parallel::NEVER;
-                let scores = super::super::kernel::scores(&trial, &courses, &settings, &trial.plants, never);
-                scores.unwrap().iter().map(|score| score.scenes[0].unwrap().cost()).sum::<f64>() / 16.0
+                super::super::kernel::scores(&trial, &courses, &settings, &trial.plants, never)
             };
-            let (cold, hot) = (fly(false), fly(true));
-            assert!(if cost > 0.0 { hot > cold + cost } else { hot == cold }, "{hot} {cold}");
+            assert_eq!(fly(true) != fly(false), rig.motor.is_some());
         }
     }
 }
