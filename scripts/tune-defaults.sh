@@ -89,9 +89,7 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
             ;;
         aero2)
             limits=disturbance_rms_deg.pitch=0.068,disturbance_rms_deg.yaw=0.084
-            limits=$limits,overshoot_p95.pitch=2.5,overshoot_p95.yaw=2.7
-            first=$limits,voltage_variation=95,failures=0,J_step=8.87
-            limits=$limits,voltage_variation=70,failures=0,J_step=8.87
+            limits=$limits,overshoot_p95.pitch=2.5,overshoot_p95.yaw=2.7,failures=0
             ;;
         aero-lab)
             # Gentler than the cheapest: what fails on reversals is warm motors.
@@ -106,15 +104,19 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
     case $name in
         paper-fixed) tune_tight "$name" "$controller" "gains/$name.toml" $seed "$first" "$limits" ;;
         aero-lab) tune_near "$name" gains/starts/aero-lab.toml "gains/$name.toml" "$limits" ;;
-        # From what the step alone had given, on all scenes.
-        aero2)
-            refine "$name" "gains/starts/$name.toml" "$rough/first.toml" "$first" 96 7 1.25
-            refine "$name" "$rough/first.toml" "gains/$name.toml" "$limits" 256 8 1.2
-            ;;
         *) tune "$name" "$controller" "gains/$name.toml" $seed "$limits" ;;
     esac
     # Where another kind, tuned so without limits, wins by a little.
     case $name in
         paper | paper-fixed) tune "$name" pid-plus "gains/choices/$name-pid-plus.toml" 1 ;;
+    esac
+    # On all scenes from there on, with half the chatter.
+    case $name in
+        aero2)
+            limits=$limits,J_step=8.87
+            refine "$name" "gains/$name.toml" "$rough/first.toml" "$limits,voltage_variation=95" 96 7 1.25
+            refine "$name" "$rough/first.toml" "gains/choices/$name-quiet.toml" \
+                "$limits,voltage_variation=70" 256 8 1.2
+            ;;
     esac
 done

@@ -104,30 +104,30 @@ pub const AERO: ControllerSettings<f64> = ControllerSettings {
 pub const AERO2: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 3.931551170322061,
-            rate: 2.7295689265646566,
-            weight: 2.247299567209689,
-            integral: 2.1907112838423353,
+            position: 3.49480998142749,
+            rate: 3.2555657897101513,
+            weight: 1.9624931026896217,
+            integral: 2.7369192267069384,
         },
         IntegralGains {
-            position: 2.5110583352510596,
-            rate: 0.8929692008848786,
-            weight: 0.38502269989805554,
-            integral: 3.182408337150803,
+            position: 2.6036978910779323,
+            rate: 0.7119209426531611,
+            weight: 0.40372044412924996,
+            integral: 3.2230982375729145,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(14.69036459804328, 21.604790882446263),
+        bandwidth: PerAxis::new(14.376125584087669, 22.985706923827845),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(2.5183895831349936, 2.167116378439581),
-        damping: Some(PerAxis::new(0.922990243228962, 1.0510305184543327)),
-        advance: Some(PerAxis::new(0.45584399645541573, 0.4288870675844368)),
+        bandwidth: PerAxis::new(2.482447213223025, 2.3798624193136217),
+        damping: Some(PerAxis::new(0.9114947417489543, 1.1348313042524403)),
+        advance: Some(PerAxis::new(0.506849149929818, 0.37417395832861844)),
         reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 1.7015883405640333 },
-    lead: Some(Lead { factor: 1.8081946589647027 }),
-    cancellation: Some(PerAxis::new(0.1249884746839733, 0.7654995047898888)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 1.4988688654109872 },
+    lead: Some(Lead { factor: 1.8024648241490548 }),
+    cancellation: Some(PerAxis::new(0.13632432984551957, 0.8252273218081545)),
 };
 
 /// For [`presets::AERO_LAB`](crate::plant::presets::AERO_LAB): `gains/aero-lab.toml`.
