@@ -108,6 +108,24 @@ fn alignment(column: usize) -> CellAlignment {
     if column == 0 { CellAlignment::Left } else { CellAlignment::Right }
 }
 
+/// `head` and a list after it, in lines that fit the screen; those after the first stand further in.
+pub(super) fn listed(head: &str, items: &[&str]) -> String {
+    const INDENT: &str = "      ";
+    let width = match STYLE.get() {
+        Some(Style::Boxed(width)) => *width,
+        Some(Style::Plain) | None => USUAL_WIDTH,
+    };
+    let mut lines = vec![head.to_owned()];
+    for (k, item) in items.iter().enumerate() {
+        let item = format!(" {item}{}", if k + 1 < items.len() { "," } else { "" });
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + item.chars().count() <= width => line.push_str(&item),
+            _ => lines.push(format!("{INDENT}{item}")),
+        }
+    }
+    lines.join("\n")
+}
+
 /// Seconds, or why there are none.
 pub(super) fn seconds(time: Option<f64>) -> String {
     time.map_or_else(|| "never".to_owned(), |t| format!("{t:.3}"))
@@ -141,6 +159,14 @@ mod tests {
             assert_eq!(text.matches("pid-plus").count(), boxes, "each box names its rows");
             assert_eq!(boxes == 1, width >= USUAL_WIDTH, "{boxes} boxes in {width}");
         }
+    }
+
+    #[test]
+    fn a_list_goes_on_in_the_next_line() {
+        let parts = ["extended state observer", "integral, conditional", "command filter", "lead"];
+        let text = listed("  ours:", &[&parts[..], &parts].concat());
+        assert!(text.lines().count() == 2 && text.lines().all(|line| line.chars().count() <= USUAL_WIDTH));
+        assert!(text.starts_with("  ours: extended state observer, integral") && text.ends_with(" lead"));
     }
 
     #[test]

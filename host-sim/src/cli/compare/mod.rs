@@ -295,6 +295,15 @@ fn tuned(args: &Args) -> impl Iterator<Item = (&'static str, Design)> {
     CATALOGUE.into_iter().filter(move |(name, _)| *name != "paper" && wanted(name))
 }
 
+/// What the heads of the table stand for.
+const LEGEND: &str = "\
+c: a flight's cost; J: its mean, and half its 90 % quantile; less is better
+fail: diverged, outside the envelope, not inside 5 % in time, or cut by the board
+ts2: settling within 2 %; OS: overshoot; medians, or the value that 95 % stay below
+dist, hold: error after the disturbance, and before; V/s: volts moved while holding
+sat: time with a motor at its limit; p: chance of such a difference to the first
+";
+
 fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
     let mut table = tables::table(&[
         "controller",
@@ -335,9 +344,10 @@ fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
         );
     }
     let beside = if args.scenes == choices::Scenes::All { scenes(rows) } else { String::new() };
-    let uses: Vec<String> = rows.iter().map(|r| format!("  {:<15} {}", r.name, r.uses.join(", "))).collect();
+    let uses: Vec<String> = rows.iter().map(|r| tables::listed(&format!("  {}:", r.name), &r.uses)).collect();
     format!(
-        "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\n{beside}uses:\n{}\n",
+        "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\n{LEGEND}{beside}\
+         uses:\n{}\n",
         named.name,
         args.plants,
         args.common.seed,
