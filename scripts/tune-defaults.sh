@@ -1,7 +1,7 @@
 #!/bin/sh
 # Tunes the committed gains of every preset, or of those named, from their seeds: the same files, byte for
-# byte, as long as law and plants are what they are (docs/rig-law.md says which were tuned before that). One to
-# five minutes for each preset on two cores.
+# byte, as long as law and plants are what they are (docs/rig-law.md says which were tuned before that). One
+# to five minutes for each preset on two cores.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --release -q -p host-sim

@@ -27,8 +27,8 @@ pub struct Score {
     pub diverged: bool,
     /// Where a board would have cut the motors, if it was looked at ([`Trial::supervised`](super::Trial)).
     pub cut: Option<Cut>,
-    /// It diverged, left the rig's envelope, also in a scene, was not inside 5 % when the disturbance came, or
-    /// was cut.
+    /// It diverged, left the rig's envelope, also in a scene, was not inside 5 % when the disturbance came,
+    /// or was cut.
     pub failed: bool,
 }
 

@@ -11,8 +11,8 @@
 //! | hot reversals | θ, ψ, then the other way and back, T_d/2 each, with motors at 90 % of the heat that their continuous current gives | 3/2 T_d |
 //!
 //! Each adds [`WEIGHT`] (e_pitch + e_yaw) to the plant's cost, e the RMS error over the scene in parts of the
-//! goal, and [`LEFT`] where the rig leaves its envelope. Of the gust, the RMS error from its middle on counts,
-//! in parts of a fifth of the goal: what the move itself costs is in the other scenes.
+//! goal, and [`LEFT`] where the rig leaves its envelope. Of the gust, the RMS error from its middle on
+//! counts, in parts of a fifth of the goal: what the move itself costs is in the other scenes.
 
 use super::Trial;
 use serde::Serialize;

@@ -359,7 +359,7 @@ fn scenes(rows: &[Row]) -> String {
         tables::add(&mut table, step.into_iter().chain(row.scenes.iter().map(cell)));
     }
     format!(
-        "scenes: what each adds to c, mean; RMS error p/y in parts of the goal, median; (flights that left the \
-         envelope)\n{table}\n"
+        "scenes: what each adds to c, mean; RMS error p/y in parts of the goal, median; (flights that left \
+         the envelope)\n{table}\n"
     )
 }
