@@ -7,7 +7,7 @@ use std::sync::Arc;
 use twinrotor_sim::{Error, Outcome};
 
 /// \[pixels\] Of one unit of the document, across and down: sharp on the screens that there are.
-pub const SCALE: f32 = 2.0;
+pub const SCALE: u16 = 2;
 
 /// The figure's own font, whatever the system has.
 fn fonts() -> Arc<fontdb::Database> {
@@ -22,9 +22,10 @@ pub(crate) fn png(svg: &str) -> Outcome<Vec<u8>> {
     let failed = |e: &dyn std::fmt::Display| Error::Failed(format!("the figure cannot be drawn: {e}"));
     let options = Options { fontdb: fonts(), ..Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|e| failed(&e))?;
-    let size = tree.size().to_int_size().scale_by(SCALE).ok_or_else(|| failed(&"it has no size"))?;
+    let scale = f32::from(SCALE);
+    let size = tree.size().to_int_size().scale_by(scale).ok_or_else(|| failed(&"it has no size"))?;
     let mut picture =
         Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"it is too large for a picture"))?;
-    resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut picture.as_mut());
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
     picture.encode_png().map_err(|e| failed(&e))
 }

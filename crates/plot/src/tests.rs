@@ -50,7 +50,7 @@ fn what_xml_has_no_place_for_is_not_in_it() {
 fn picture(figure: &Figure) -> resvg::tiny_skia::Pixmap {
     let picture = resvg::tiny_skia::Pixmap::decode_png(&figure.to_png().unwrap()).unwrap();
     let (width, height) = figure.size(Layout::Wide);
-    let scale = pixels::SCALE as u32;
+    let scale = u32::from(pixels::SCALE);
     assert_eq!((picture.width(), picture.height()), (scale * width, scale * height));
     picture
 }
@@ -67,7 +67,7 @@ fn a_picture_in_pixels_has_nothing_outside_its_panels() {
     calm(&mut flat);
     let (hammered, flat) = (picture(&hammered), picture(&flat));
     // Where the axes end: 12 for the margin, 72 for the labels; 14 before the legend. A line is as wide as 2.
-    let scale = pixels::SCALE as u32;
+    let scale = u32::from(pixels::SCALE);
     let (left, right) = (scale * (12 + 72 - 2), scale * (1_000 - LEGEND_WIDTH - 14 + 2));
     let tops = [TITLE_HEIGHT + 8, TITLE_HEIGHT + PANEL_HEIGHT + 8];
     let inside = |x: u32, y: u32| {

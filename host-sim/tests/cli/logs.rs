@@ -27,11 +27,11 @@ fn a_log_is_what_a_rig_would_tell() {
             let whole = shown / count;
             assert!((whole - whole.round()).abs() < 1e-3, "{whole} counts");
             assert!((shown - angle).abs() < 1.01 * count, "{shown} shown at {angle}");
-            moved += i32::from(shown != angle);
+            moved += i32::from((shown - angle).abs() > 0.01 * count);
         }
         assert_eq!((row[3], row[4]), (true_row[7], true_row[8]), "the amplifiers give what is sent");
     }
-    assert!(moved > 3_000, "{moved} angles that are not the true ones");
+    assert!(moved > 3_000, "{moved} angles that are off by a hundredth of a count");
     let replay = ["replay", "log.csv", "--preset", "aero-lab", "--scenario", "2", "--json"];
     assert!(host_sim(folder.path(), &replay).status.success());
     let ideal = host_sim(folder.path(), &["simulate", "--log", "no.csv"]);

@@ -69,7 +69,7 @@ impl Table {
         let Some((_, Column::Numbers(seconds))) = self.columns.first() else {
             return Err(mcap::McapError::Io(std::io::Error::other("the first column is no time")));
         };
-        for row in 0..self.rows() {
+        for (row, second) in seconds.iter().enumerate() {
             let message: serde_json::Map<String, serde_json::Value> =
                 self.columns.iter().map(|(name, column)| (name.clone(), column.json(row))).collect();
             #[expect(
@@ -77,7 +77,7 @@ impl Table {
                 clippy::cast_sign_loss,
                 reason = "an hour of nanoseconds"
             )]
-            let time = (seconds[row] * 1e9).round() as u64;
+            let time = (second * 1e9).round() as u64;
             let sequence = u32::try_from(row).unwrap_or(u32::MAX);
             let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time: time };
             writer
