@@ -78,7 +78,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         let bytes = image.len();
         print_json(&Document { preset: named.name, gains, address: AREA_ADDRESS, bytes, done, warning })
     } else {
-        print(&format!("{done}\n"))
+        let first = if args.image.is_some() { "program it, then: " } else { "" };
+        let next = format!("{first}host-sim fly --port auto --preset {}", named.name);
+        print(&format!("{done}\nnext: {next} (docs/firmware.md has the first power-up)\n"))
     }
 }
 

@@ -270,6 +270,9 @@ fn summary(
     tables::add(&mut table, ["failures".to_owned(), failures(before), failures(after)]);
     let cuts = |scores: &[robust::Score]| scores.iter().filter(|s| s.cut.is_some()).count().to_string();
     tables::add(&mut table, ["of these cut by the board".to_owned(), cuts(before), cuts(after)]);
-    let _ = writeln!(text, "{table}\ngains: {}", request.out.display());
+    let out = request.out.display();
+    let _ = writeln!(text, "{table}\ngains: {out}");
+    let preset = &request.named.name;
+    let _ = writeln!(text, "fly it: cargo run --release -p host-sim -- fly --preset {preset} --gains {out}");
     text
 }
