@@ -5,7 +5,8 @@
 The "rig" is an Aero 2 drawn from within its tolerances; the program knows only its log, as its encoders and
 its board would have written it. The table has each controller's J on plants drawn around what was found, and
 the error (degrees, RMS) of pitch and yaw when it flies the rig itself through a scenario that neither the
-identification nor the tuning has seen.
+identification nor the tuning has seen. The search is short: for gains that are kept, give it 48 plants and
+60 iterations.
 """
 
 from __future__ import annotations
@@ -45,6 +46,7 @@ def run(seed: int, plants: int, iterations: int) -> tuple[tr.Identified, dict[st
         found.rig,
         start=before,
         range=2.0,
+        algorithm="fpa-adaptive",
         plants=plants,
         rounds=2,
         population=12,
@@ -63,8 +65,8 @@ if __name__ == "__main__":
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=5)
-    parser.add_argument("--plants", type=int, default=12)
-    parser.add_argument("--iterations", type=int, default=10)
+    parser.add_argument("--plants", type=int, default=16)
+    parser.add_argument("--iterations", type=int, default=12)
     arguments = parser.parse_args()
     identified, table = run(arguments.seed, arguments.plants, arguments.iterations)
     for constant in identified.constants:

@@ -35,7 +35,7 @@ def test_a_policy_is_learned_and_ranked() -> None:
 
 def test_a_rig_is_identified_from_its_log_and_tuned_for() -> None:
     whole = example("identify_and_tune")
-    found, table = whole.run(seed=5, plants=6, iterations=4)
+    found, table = whole.run(seed=5, plants=16, iterations=12)
     truth = tr.draw("aero2", 1, seed=5)[0].constants["plant"]
 
     def gain(plant: dict[str, Any], by: str, axis: str) -> float:
