@@ -10,8 +10,8 @@ use twinrotor_tune::parallel::Stop;
 /// How often Python is asked whether somebody has pressed Ctrl-C.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
-/// Does `work` on a thread of its own: this one, where Python's signals arrive, waits for it. After Ctrl-C the
-/// work is asked to stop, and whatever comes of it, the interrupt is raised.
+/// Does `work` on a thread of its own: this one, where Python's signals arrive, waits for it. After Ctrl-C
+/// the work is asked to stop, and whatever comes of it, the interrupt is raised.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(Stop<'_>) -> PyResult<T> + Send,
