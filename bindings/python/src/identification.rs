@@ -183,10 +183,12 @@ fn drive(
         Some(progress) => Python::attach(|py| progress.call1(py, (what, cost)).map(drop)),
     };
     let outcome = search
-        .run(problem, window, stop, |_, what, cost| match tell(what, cost) {
-            Ok(()) if stop() => ControlFlow::Break(PyRuntimeError::new_err("interrupted")),
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => ControlFlow::Break(error),
+        .run(problem, window, stop, |_, what, cost| {
+            // What was stopped in the middle has not been done.
+            if stop() {
+                return ControlFlow::Break(PyRuntimeError::new_err("interrupted"));
+            }
+            tell(what, cost).map_or_else(ControlFlow::Break, ControlFlow::Continue)
         })
         .map_err(|error| raised(&error))?;
     outcome.break_value().map_or(Ok(()), Err)
