@@ -22,7 +22,7 @@ use twinrotor::reference::Reference;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::Frame;
-use twinrotor_station::Client;
+use twinrotor_station::{Client, words};
 
 const REQUESTS: [(&str, Request); 4] = [
     ("arm", Request::Arm),
@@ -33,16 +33,6 @@ const REQUESTS: [(&str, Request); 4] = [
 
 fn spelt(condition: Condition) -> String {
     format!("{condition:?}")
-}
-
-fn name_of(state: ArmState) -> &'static str {
-    match state {
-        ArmState::Disarmed => "Disarmed",
-        ArmState::Ready => "Ready",
-        ArmState::Checking => "Checking",
-        ArmState::Armed => "Armed",
-        ArmState::Fault(_) => "Fault",
-    }
 }
 
 fn reference(angle: [f32; 2], rate: [f32; 2], accel: [f32; 2]) -> PyResult<Reference<f32>> {
@@ -155,10 +145,10 @@ impl ControlLoop {
         (volts.main, volts.tail)
     }
 
-    /// 'Disarmed', 'Ready', 'Checking', 'Armed' or 'Fault'.
+    /// 'disarmed', 'ready', 'checking', 'armed' or 'fault'.
     #[getter]
     fn state(&self) -> &'static str {
-        name_of(self.control.state())
+        words::state(self.control.state())
     }
 
     /// What the fault was, if there is one.
@@ -350,7 +340,7 @@ impl SimulatedBoard {
     /// See `ControlLoop.state`.
     #[getter]
     fn state(&self) -> &'static str {
-        name_of(self.board.frame().state)
+        words::state(self.board.frame().state)
     }
 
     /// The last tick as telemetry has it, SI units.

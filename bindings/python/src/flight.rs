@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use serde::Serialize;
 use twinrotor::axes::PerAxis;
 use twinrotor_sim::Error;
-use twinrotor_sim::flight::{self, BoardState, Fidelity, Flight, Moment, Plan, Scalar};
+use twinrotor_sim::flight::{self, BoardState, Fidelity, Flight, Moment, Plan, Reading, Scalar};
 use twinrotor_sim::metrics::Report;
 
 pub(crate) const FIDELITIES: [(&str, Fidelity); 2] = [("ideal", Fidelity::Ideal), ("rig", Fidelity::Rig)];
@@ -22,7 +22,10 @@ struct Document {
     left_envelope: Option<Moment>,
 }
 
-/// Flies a scenario: its columns and its report.
+/// A flight's truth, what a logger would have written of it, and its report.
+type Told<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, String);
+
+/// Flies a scenario.
 #[pyfunction]
 #[pyo3(signature = (preset, gains, scenario, fidelity, scalar, seed, initial, duration, true_rig))]
 #[expect(clippy::too_many_arguments, reason = "Python gives them their names")]
@@ -37,7 +40,7 @@ pub(crate) fn simulate<'py>(
     initial: Option<[f64; 2]>,
     duration: Option<f64>,
     true_rig: Option<&str>,
-) -> PyResult<(Bound<'py, PyDict>, String)> {
+) -> PyResult<Told<'py>> {
     let named = named_rig(preset)?;
     let settings = gains_of(gains, &named)?.settings(&named.rig);
     let mut scenario = scenario_of(scenario)?;
@@ -66,10 +69,14 @@ pub(crate) fn simulate<'py>(
             flight::fly(&plan, scalar)
         })
         .map_err(|error| raised(&error))?;
-    let columns = PyDict::new(py);
-    for (name, of) in flight::COLUMNS {
-        columns.set_item(name, PyArray1::from_iter(py, flown.rows.iter().map(of)))?;
-    }
+    let arrays = |columns: &[(&str, Reading)]| {
+        let arrays = PyDict::new(py);
+        for (name, of) in columns {
+            arrays.set_item(name, PyArray1::from_iter(py, flown.rows.iter().map(*of)))?;
+        }
+        Ok::<_, PyErr>(arrays)
+    };
+    let (columns, log) = (arrays(&flight::COLUMNS)?, arrays(&flight::LOG_COLUMNS)?);
     let Flight { report, board, left_envelope, .. } = flown;
-    Ok((columns, json(&Document { report, board, left_envelope })?))
+    Ok((columns, log, json(&Document { report, board, left_envelope })?))
 }

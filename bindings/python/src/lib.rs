@@ -4,10 +4,15 @@
 mod board;
 mod comparison;
 mod flight;
+mod identification;
 mod linear;
+mod logs;
+mod margins;
 mod parts;
+mod replay;
 mod search;
 mod settings;
+mod waiting;
 
 /// The engine.
 #[pyo3::pymodule]
@@ -19,9 +24,15 @@ mod _native {
     #[pymodule_export]
     use crate::flight::simulate;
     #[pymodule_export]
+    use crate::identification::identify;
+    #[pymodule_export]
     use crate::linear::linearize;
     #[pymodule_export]
+    use crate::margins::margins;
+    #[pymodule_export]
     use crate::parts::{gains_file, preset_names, rig_file};
+    #[pymodule_export]
+    use crate::replay::replay;
     #[pymodule_export]
     use crate::search::{tune, tune_robust};
     #[pymodule_export]

@@ -3,8 +3,10 @@
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use serde::Serialize;
+use twinrotor::axes::PerMotor;
 use twinrotor::defaults;
-use twinrotor::plant::presets;
+use twinrotor::plant::presets::{self, Rig};
+use twinrotor_sim::error::at_least;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::{self, NamedRig};
 use twinrotor_sim::scenario::Scenario;
@@ -37,6 +39,15 @@ pub(crate) fn named_rig(preset: &str) -> PyResult<NamedRig> {
         rig::load(preset, &read)
     };
     loaded.map_err(|error| raised(&error))
+}
+
+/// \[s\] Rotor lag of both motors instead of the preset's, where it is given.
+pub(crate) fn take_lag(rig: &mut Rig, lag: Option<f64>) -> PyResult<()> {
+    if let Some(lag) = lag {
+        let lag = at_least("rotor_lag", lag, 0.0, false).map_err(|error| raised(&error))?;
+        rig.plant.rotor_time_constant = PerMotor::both(lag);
+    }
+    Ok(())
 }
 
 /// `None` is what the preset's board boots with.

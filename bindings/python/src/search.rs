@@ -2,13 +2,11 @@
 
 use crate::flight::FIDELITIES;
 use crate::parts::{gains_of, json, named_rig, raised, scenario_of, within, word};
+use crate::waiting::interruptible;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
-use std::time::Duration;
 use twinrotor::gains::NAMES;
 use twinrotor_sim::error::at_least;
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
@@ -23,8 +21,6 @@ use twinrotor_tune::tunable::Tunable;
 
 const CRITERIA: [(&str, Criterion); 3] =
     [("ise", Criterion::Ise), ("iae", Criterion::Iae), ("itae", Criterion::Itae)];
-/// How often Python is asked whether somebody has pressed Ctrl-C.
-const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -33,52 +29,27 @@ struct Document<'a> {
     history: &'a [(usize, f64)],
 }
 
-/// Drives a search to its end, on a thread of its own: this one, where Python's signals arrive, waits for it
-/// and looks whether somebody has pressed Ctrl-C. `progress` is called after every exchange with evaluations,
-/// budget and best cost; an exception in it ends the search, too.
+/// Drives a search to its end. `progress` is called after every exchange with evaluations, budget and best
+/// cost; an exception in it ends the search, as Ctrl-C does.
 fn drive(
     py: Python<'_>,
     search: &mut Search,
     problem: &dyn Problem,
     progress: Option<&Py<PyAny>>,
 ) -> PyResult<()> {
-    let stopped = AtomicBool::new(false);
-    let stop = || stopped.load(Ordering::Relaxed);
     let tell = |search: &Search| match progress {
         None => Ok(()),
         Some(progress) => Python::attach(|py| {
             progress.call1(py, (search.evaluations(), search.budget(), search.cost())).map(drop)
         }),
     };
-    py.detach(|| {
-        std::thread::scope(|scope| {
-            let (ended, end) = mpsc::channel();
-            let (stop, tell) = (&stop, &tell);
-            scope.spawn(move || {
-                let outcome = search.run(problem, stop, |search| match tell(search) {
-                    Ok(()) if stop() => ControlFlow::Break(Ok(())),
-                    Ok(()) => ControlFlow::Continue(()),
-                    Err(error) => ControlFlow::Break(Err(error)),
-                });
-                // Whoever waited is gone only if this thread is.
-                let _ = ended.send(outcome.break_value().unwrap_or(Ok(())));
-            });
-            let mut interrupted = Ok(());
-            loop {
-                match end.recv_timeout(LOOK_EVERY) {
-                    Ok(outcome) => return interrupted.and(outcome),
-                    Err(mpsc::RecvTimeoutError::Timeout) => {
-                        if let Err(error) = Python::attach(|py| py.check_signals()) {
-                            stopped.store(true, Ordering::Relaxed);
-                            interrupted = Err(error);
-                        }
-                    }
-                    Err(mpsc::RecvTimeoutError::Disconnected) => {
-                        return Err(PyRuntimeError::new_err("the search ended without an outcome"));
-                    }
-                }
-            }
-        })
+    interruptible(py, |stop| {
+        let outcome = search.run(problem, stop, |search| match tell(search) {
+            Ok(()) if stop() => ControlFlow::Break(Ok(())),
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => ControlFlow::Break(Err(error)),
+        });
+        outcome.break_value().unwrap_or(Ok(()))
     })
 }
 

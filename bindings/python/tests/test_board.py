@@ -44,7 +44,7 @@ def test_sixty_thousand_ticks_are_the_simulated_boards(preset: str) -> None:
     def tick() -> None:
         volts = loop.tick(*bench.counters, bench.supply)
         # A board lies on a table until it is armed.
-        bench.table = loop.state != "Armed"
+        bench.table = loop.state != "armed"
         bench.tick(volts, loop.motors_may_turn)
 
     first = board.frame()["tick"]
@@ -68,7 +68,7 @@ def test_sixty_thousand_ticks_are_the_simulated_boards(preset: str) -> None:
         tick()
         assert board.state == loop.state, k
         assert board.frame() == loop.frame(), k
-        flown += loop.state == "Armed"
+        flown += loop.state == "armed"
     assert flown > 58_000
 
 
@@ -76,7 +76,7 @@ def test_a_flight_with_the_first_power_check_reaches_its_goal() -> None:
     with armed(checked=False) as controller:
         controller.loop.aim((0.15, 0.4))
         for _ in range(9_000):
-            assert controller.tick() == "Armed"
+            assert controller.tick() == "armed"
         # From where it was zeroed, which after the check is not where it began.
         assert np.allclose(controller.loop.frame()["angle"], (0.15, 0.4), atol=0.02)  # type: ignore[arg-type]
     assert controller.port.volts == (0.0, 0.0) and not controller.port.enabled  # type: ignore[attr-defined]
@@ -95,7 +95,7 @@ def test_what_is_unchecked_does_not_arm() -> None:
     controller.run(REST)
     controller.loop.zero()
     with pytest.raises(TimeoutError, match="NotChecked"):
-        controller.until("Ready", ticks=20)
+        controller.until("ready", ticks=20)
 
 
 @pytest.mark.parametrize("end", [RuntimeError, KeyboardInterrupt, SystemExit])

@@ -27,6 +27,8 @@ import twinrotor as tr
         (lambda: tr.linearize("aero2", float("nan")), "pitch is NaN"),
         (lambda: tr.ControlLoop("aero2", counter_bits=8), "counter_bits is 8; allowed: 16, 24"),
         (lambda: tr.draw("aero2", 0), "count is 0"),
+        (lambda: tr.margins("aero2", rotor_lag=-1.0), "rotor_lag is -1; allowed"),
+        (lambda: tr.margins(tr.draw("aero2", 1)[0]), "gains is left out"),
     ],
 )
 def test_bad_input_is_a_value_error(call: Callable[[], object], told: str) -> None:
@@ -57,15 +59,22 @@ def test_an_exception_in_progress_ends_the_search() -> None:
     assert len(seen) == 3 and seen == sorted(seen)
 
 
-def test_ctrl_c_ends_a_search_within_a_second() -> None:
+@pytest.mark.parametrize(
+    "call",
+    [
+        "t.tune_robust('heli', plants=999)",
+        "t.identify(t.simulate('aero2', None, '2', fidelity='rig').log, 'aero2')",
+    ],
+)
+def test_ctrl_c_ends_what_takes_long_within_a_second(call: str) -> None:
     text = (
         # A shell's job in the background is begun with Ctrl-C ignored.
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
-        "import twinrotor as t; print('begun', flush=True); t.tune_robust('heli', plants=999)"
+        f"import twinrotor as t; print('begun', flush=True); {call}"
     )
     process = subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None and process.stdout.readline() == b"begun\n"
-    time.sleep(0.5)
+    time.sleep(1.5)
     process.send_signal(signal.SIGINT)
     begun = time.monotonic()
     try:

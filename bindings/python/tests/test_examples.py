@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import twinrotor as tr
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -32,6 +33,21 @@ def test_a_policy_is_learned_and_ranked() -> None:
     assert found["learned"] > found["zero volts"]
 
 
+def test_a_rig_is_identified_from_its_log_and_tuned_for() -> None:
+    whole = example("identify_and_tune")
+    found, table = whole.run(seed=5, plants=16, iterations=12)
+    truth = tr.draw("aero2", 1, seed=5)[0].constants["plant"]
+
+    def gain(plant: dict[str, Any], by: str, axis: str) -> float:
+        """Acceleration for a volt: what a log tells, which tells neither thrust nor inertia alone."""
+        return float(plant["effectiveness"][f"{by}_on_{axis}"] / plant["inertia"][axis])
+
+    for by, axis in (("main", "pitch"), ("tail", "pitch"), ("main", "yaw"), ("tail", "yaw")):
+        told = gain(found.rig.constants["plant"], by, axis)
+        assert abs(told / gain(truth, by, axis) - 1.0) < 0.05, (by, axis)
+    assert table["tuned"][0] < table["the preset's"][0]
+
+
 def test_the_readmes_lines_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     text = (EXAMPLES.parent / "README.md").read_text()
@@ -40,4 +56,4 @@ def test_the_readmes_lines_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     names: dict[str, Any] = {}
     for block in blocks:
         exec(compile(block, "README.md", "exec"), names)
-    assert (tmp_path / "gains.toml").exists()
+    assert (tmp_path / "gains.toml").exists() and (tmp_path / "my.toml").exists()

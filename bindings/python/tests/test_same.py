@@ -78,6 +78,25 @@ def test_a_comparison(host_sim: Run) -> None:
     assert np.isclose(found["ours"].total, costs.mean() + 0.5 * np.quantile(costs, 0.9))
 
 
+@pytest.mark.parametrize(
+    ("preset", "gains", "rotor_lag"),
+    [("paper", "paper", None), ("aero2", str(ROOT / "gains" / "aero2.toml"), None), ("heli", "paper", 0.05)],
+)
+def test_margins(host_sim: Run, preset: str, gains: str, rotor_lag: float | None) -> None:
+    lag = [] if rotor_lag is None else ["--rotor-lag", str(rotor_lag)]
+    folder = host_sim("margins", "--preset", preset, "--gains", gains, *lag, "--json")
+    document = json.loads((folder / "stdout").read_text())
+    found = tr.margins(preset, gains, rotor_lag=rotor_lag)
+    for name in ("thrust", "lag", "inertia"):
+        assert list(getattr(found, name)) == document[name]
+    assert (found.delay_ms, found.slowest_pole) == (document["delay_ms"], document["slowest_pole"])
+
+
+def test_margins_are_those_of_the_presets_own_gains() -> None:
+    assert tr.margins("aero2") == tr.margins("aero2", ROOT / "gains" / "aero2.toml")
+    assert tr.margins("aero2") != tr.margins("aero2", "paper")
+
+
 def test_presets_gains_and_settings_are_the_engines() -> None:
     assert set(tr.presets()) == {"paper", "paper-fixed", "aero", "aero2", "aero-lab", "heli"}
     own = tr.Gains.of_preset("aero2").values

@@ -9,28 +9,41 @@ What is wrong raises ``ValueError`` with field, value and what is allowed.
 
 from ._board import Bench, Controller, ControlLoop, Fault, Port, SimulatedBoard
 from ._flight import Flight, simulate
-from ._gains import Gains, Rig, Setting, presets, settings
+from ._gains import Gains, GainsLike, Rig, RigLike, Setting, presets, settings
+from ._identify import Constant, Fit, Identified, identify
 from ._linear import Linear, linearize
+from ._margins import Margins, margins
+from ._replay import Replay, replay
 from ._search import Comparison, Tuned, compare, draw, tune, tune_robust
 
 __all__ = [
     "Bench",
     "Comparison",
+    "Constant",
     "ControlLoop",
     "Controller",
     "Fault",
+    "Fit",
     "Flight",
     "Gains",
+    "GainsLike",
+    "Identified",
     "Linear",
+    "Margins",
     "Port",
+    "Replay",
     "Rig",
+    "RigLike",
     "Setting",
     "SimulatedBoard",
     "Tuned",
     "compare",
     "draw",
+    "identify",
     "linearize",
+    "margins",
     "presets",
+    "replay",
     "settings",
     "simulate",
     "tune",

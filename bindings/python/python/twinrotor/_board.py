@@ -119,7 +119,7 @@ class Controller:
         :raises Fault: if the supervisor switches the motors off.
         """
         for _ in range(ticks):
-            if self.tick() == "Fault":
+            if self.tick() == "fault":
                 raise Fault(f"the supervisor switched the motors off: {self.loop.fault}")
 
     def until(self, *states: str, ticks: int) -> None:
@@ -132,7 +132,7 @@ class Controller:
             state = self.tick()
             if state in states:
                 return
-            if state == "Fault":
+            if state == "fault":
                 raise Fault(f"the supervisor switched the motors off: {self.loop.fault}")
         wrong = ", ".join(self.loop.conditions) or "nothing is wrong"
         raise TimeoutError(f"not {' or '.join(states)} after {ticks} ticks: {wrong}")
@@ -147,8 +147,8 @@ class Controller:
         self.run(100)
         if "NotChecked" in self.loop.conditions:
             self.loop.request("check")
-            self.until("Checking", ticks=100)
-            self.until("Disarmed", "Ready", ticks=3 * SETTLE_TICKS)
+            self.until("checking", ticks=100)
+            self.until("disarmed", "ready", ticks=3 * SETTLE_TICKS)
             if "NotChecked" in self.loop.conditions:
                 raise TimeoutError(
                     "the first-power check did not pass: is each motor and each encoder at its own place?"
@@ -157,7 +157,7 @@ class Controller:
             # It is not taken while the rig moves.
             self.loop.zero()
             self.run(ZERO_EVERY)
-            if self.loop.state == "Ready":
+            if self.loop.state == "ready":
                 return
         raise TimeoutError(f"the rig did not come to rest: {', '.join(self.loop.conditions)}")
 
@@ -167,7 +167,7 @@ class Controller:
         :raises TimeoutError: if something forbids it; with what.
         """
         self.loop.request("arm")
-        self.until("Armed", ticks=100)
+        self.until("armed", ticks=100)
 
     def __enter__(self) -> Self:
         return self

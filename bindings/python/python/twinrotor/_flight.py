@@ -22,11 +22,14 @@ Fidelity = Literal["ideal", "rig"]
 class Flight:
     """A flight, tick by tick: columns with the names and values of ``host-sim simulate --csv``.
 
-    ``report`` is what ``host-sim simulate --json`` says of it: each axis' settling, overshoot and errors,
-    each motor's volts, the board's state, and when it left its envelope if it did.
+    ``log`` is what a logger on the rig would have written of it, with the columns of ``--log``: for
+    :func:`identify` and :func:`replay`. ``report`` is what ``host-sim simulate --json`` says of it: each
+    axis' settling, overshoot and errors, each motor's volts, the board's state, and when it left its
+    envelope if it did.
     """
 
     columns: Mapping[str, Array] = field(repr=False)
+    log: Mapping[str, Array] = field(repr=False)
     report: Mapping[str, Any]
 
     def __getitem__(self, column: str) -> Array:
@@ -70,7 +73,7 @@ def simulate(
     :raises ValueError: if an argument is not what it may be.
     :raises RuntimeError: if the loop diverges.
     """
-    columns, report = _native.simulate(
+    columns, log, report = _native.simulate(
         rig_text(preset),
         gains_text(gains),
         os.fspath(scenario),
@@ -81,4 +84,4 @@ def simulate(
         duration,
         None if true_rig is None else rig_text(true_rig),
     )
-    return Flight(columns, json.loads(report))
+    return Flight(columns, log, json.loads(report))

@@ -6,6 +6,7 @@ import numpy.typing as npt
 
 Array: TypeAlias = npt.NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int, float], object]
+Log: TypeAlias = tuple[str, list[tuple[str, Array]] | None]
 
 def presets() -> list[str]: ...
 def rig(preset: str) -> tuple[str, str]: ...
@@ -21,7 +22,7 @@ def simulate(
     initial: tuple[float, float] | None,
     duration: float | None,
     true_rig: str | None,
-) -> tuple[dict[str, Array], str]: ...
+) -> tuple[dict[str, Array], dict[str, Array], str]: ...
 def tune(
     preset: str,
     objective: str,
@@ -54,6 +55,29 @@ def compare(
 ) -> list[tuple[Array, str]]: ...
 def draw(preset: str, count: int, seed: int) -> list[str]: ...
 def linearize(preset: str, pitch: float) -> tuple[Array, Array, Array, Array, tuple[float, float]]: ...
+def margins(preset: str, gains: str | None, rotor_lag: float | None) -> str: ...
+def identify(
+    logs: list[Log],
+    validate: list[Log],
+    preset: str,
+    columns: str,
+    free: list[str],
+    fix: list[str],
+    window: float,
+    population: int,
+    iterations: int,
+    seed: int,
+    rotor_lag: float | None,
+    progress: Callable[[str, float], object] | None,
+) -> tuple[str, str]: ...
+def replay(
+    log: Log,
+    preset: str,
+    gains: str | None,
+    columns: str,
+    scenario: str | None,
+    rotor_lag: float | None,
+) -> tuple[dict[str, Array], str]: ...
 
 class ControlLoop:
     def __new__(

@@ -93,7 +93,7 @@ class Twinrotor(gymnasium.Env[Vector, Vector]):
             for _ in range(TICKS):
                 self._tick(self.loop)
         error = self._error()
-        off = self.loop is not None and self.loop.state != "Armed"
+        off = self.loop is not None and self.loop.state != "armed"
         angle, rate = (np.array(pair) for pair in self.bench.state)
         ended = bool(off or abs(angle[0]) > self.envelope or np.any(np.abs(rate) > self.rates))
         self.left -= 1
@@ -118,7 +118,7 @@ class Twinrotor(gymnasium.Env[Vector, Vector]):
         loop.request("arm")
         for _ in range(5):
             self._tick(loop)
-        if loop.state != "Armed":
+        if loop.state != "armed":
             raise RuntimeError(f"the board's loop is not armed: {', '.join(loop.conditions)}")
         self.bench.table = False
         return loop
