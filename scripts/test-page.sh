@@ -31,6 +31,7 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
+node web/tests/serial.mjs $folder/heli.html
 axe=$folder/axe/node_modules/axe-core/axe.min.js
 if command -v npm >/dev/null; then
   [ -f $axe ] || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3

@@ -14,6 +14,7 @@ import { read, write } from "./link.js";
 import { Module } from "./machine.js";
 import { Plots } from "./plots.js";
 import { Rig } from "./rig.js";
+import { Serial } from "./serial.js";
 import { Settings } from "./settings.js";
 import { Socket } from "./socket.js";
 import { Steps } from "./steps.js";
@@ -55,7 +56,12 @@ async function main() {
       await settings.build();
     });
   new Tuner(machine, bytes, byId("worker").textContent ?? "", about, load);
-  const control = machine instanceof Socket ? new Control(machine, attempt, () => steps.stop()) : undefined;
+  const stop = () => steps.stop();
+  const control = machine instanceof Socket ? new Control(machine, attempt, stop) : undefined;
+  const serial =
+    machine instanceof Module
+      ? new Serial(machine, about.baud, attempt, stop, () => rig.begin())
+      : undefined;
 
   let rowsBefore = -1;
   let drawn = 0;
@@ -192,7 +198,7 @@ async function main() {
   setInterval(words, WORDS_EVERY);
   clock.start();
   // For whoever drives the page: a test, a teacher at the browser's console.
-  Object.assign(window, { twinrotor: { machine, samples, clock, plots } });
+  Object.assign(window, { twinrotor: { machine, samples, clock, plots, serial, bytes } });
   document.body.dataset.ready = "yes";
 }
 

@@ -15,7 +15,7 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 22] = modules![
+const MODULES: [Module; 23] = modules![
     "app.js",
     "attempt.js",
     "base85.js",
@@ -33,6 +33,7 @@ const MODULES: [Module; 22] = modules![
     "plots.js",
     "rig.js",
     "search.js",
+    "serial.js",
     "settings.js",
     "socket.js",
     "steps.js",
