@@ -13,6 +13,8 @@
  * @property {() => number} samples
  * @property {(now: number) => number} exchange
  * @property {() => number} rows
+ * @property {() => number} open
+ * @property {() => number} record
  */
 
 /**
@@ -67,7 +69,12 @@ export class Module {
   /** @param {Request} request @returns {any} */
   answer(request) {
     this.put(encoder.encode(JSON.stringify(request)));
-    const answer = JSON.parse(decoder.decode(this.got(this.exports.ask())));
+    return this.answered(this.exports.ask());
+  }
+
+  /** @param {number} length @returns {any} */
+  answered(length) {
+    const answer = JSON.parse(decoder.decode(this.got(length)));
     if (answer.error !== undefined) throw new Error(answer.error);
     return answer.ok;
   }
@@ -82,6 +89,13 @@ export class Module {
   /** @param {number} length */
   got(length) {
     return new Uint8Array(this.exports.memory.buffer, this.exports.output(), length);
+  }
+
+  /** Rows out of a recorded flight's CSV. @param {Uint8Array} file */
+  read(file) {
+    this.put(file);
+    const numbers = this.answered(this.exports.open());
+    return new Float32Array(this.exports.memory.buffer, this.exports.record(), numbers).slice();
   }
 
   /** @param {number} ticks */

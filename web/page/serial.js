@@ -1,7 +1,7 @@
 // @ts-check
-// A board at a port of this computer, by Web Serial: bytes go between the port and the desk, whose board is at
-// a line then. Whoever does not see the board does not fly it: a page that is hidden or closed switches the
-// motors off first, as `control.js` does; a browser that hangs the board itself misses.
+// A board at a port of this computer, by Web Serial: bytes go between the port and the desk, whose board is
+// at a line then. Whoever does not see the board does not fly it: a page that is hidden or closed switches
+// the motors off first, as `control.js` does; a browser that hangs the board itself misses.
 
 import { button, byId } from "./dom.js";
 

@@ -3,12 +3,13 @@
 
 use crate::desk::samples::COLUMNS;
 use crate::page::Page;
-use crate::request;
+use crate::{recorded, request};
 use std::cell::RefCell;
 use std::time::Duration;
 
 thread_local! {
     static PAGE: RefCell<Page> = RefCell::new(Page::new());
+    static RECORD: RefCell<Vec<f32>> = const { RefCell::new(Vec::new()) };
     static INPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
     static OUTPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
 }
@@ -76,6 +77,28 @@ pub extern "C" fn rows() -> u32 {
 pub extern "C" fn serve(ticks: u32) -> u32 {
     let serve = |said: &Vec<u8>| PAGE.with_borrow_mut(|page| page.desk.serve(said, ticks));
     say(INPUT.with_borrow(serve).unwrap_or_default())
+}
+
+/// Reads the recorded flight whose CSV is in the input. Gives the length of the answer at `output`: how many
+/// numbers its rows have together, which are at `record` until the next is read, or what is wrong.
+#[expect(unsafe_code, reason = "the name by which JavaScript calls it, once in the module")]
+#[unsafe(no_mangle)]
+pub extern "C" fn open() -> u32 {
+    let file = INPUT.with_borrow_mut(std::mem::take);
+    let numbers = recorded::read(&file).map(|rows| {
+        RECORD.with_borrow_mut(|record| {
+            *record = rows;
+            serde_json::json!(record.len())
+        })
+    });
+    say(request::worded(numbers).to_string().into_bytes())
+}
+
+/// Where they are.
+#[expect(unsafe_code, reason = "the name by which JavaScript calls it, once in the module")]
+#[unsafe(no_mangle)]
+pub extern "C" fn record() -> *const f32 {
+    RECORD.with_borrow(|record| record.as_ptr())
 }
 
 fn say(bytes: Vec<u8>) -> u32 {

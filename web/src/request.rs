@@ -3,6 +3,7 @@
 use crate::desk::{Choice, Desk, OWN};
 use crate::lessons;
 use crate::page::Page;
+use crate::recorded;
 use crate::same_bits;
 use crate::tuner::Tuner;
 use serde::Deserialize;
@@ -256,6 +257,7 @@ fn about() -> Value {
         std::iter::once(OWN).chain(CATALOGUE.iter().map(|(name, _)| *name)).collect();
     let (columns, every) = Desk::columns();
     json!({
+        "record_bytes": recorded::MOST_BYTES,
         "baud": twinrotor::link::BAUD,
         "version": env!("CARGO_PKG_VERSION"),
         "presets": presets::ALL.map(|(name, _)| name),

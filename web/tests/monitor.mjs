@@ -175,7 +175,8 @@ async function journey() {
   await step("another page takes over and goes: the page says who controls", async () => {
     const told = (/** @type {string} */ words) =>
       browser.until(
-        `(({ hidden, innerText }) => !hidden && innerText.includes("${words}"))(document.querySelector("#control"))`,
+        `[...document.querySelectorAll("#control:not([hidden])")].some((one) =>
+          one.innerText.includes("${words}"))`,
         5_000,
       );
     await browser.value(`(() => {

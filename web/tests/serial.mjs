@@ -1,6 +1,6 @@
 // @ts-check
-// The page with a board at a serial port, in a headless Chromium: the port is a JavaScript object as Web Serial
-// has them, at whose other end a second module serves its simulated board.
+// The page with a board at a serial port, in a headless Chromium: the port is a JavaScript object as Web
+// Serial has them, at whose other end a second module serves its simulated board.
 //
 //     node web/tests/serial.mjs heli.html
 
@@ -26,8 +26,8 @@ async function step(name, work) {
 }
 
 /**
- * In the page: a port with a board. Time is the board's, and passes when the test lets it, ten ticks at a time:
- * a machine that is busy with other things flies no worse.
+ * In the page: a port with a board. Time is the board's, and passes when the test lets it, ten ticks at a
+ * time: a machine that is busy with other things flies no worse.
  */
 const inject = `(async () => {
   const { machine, serial, bytes } = window.twinrotor;
@@ -85,12 +85,18 @@ async function until(so, most) {
   assert.ok(took >= 0, `${so}: ${took < 0 ? await what() : ""}`);
   return took;
 }
-const state = (/** @type {string} */ wanted, most = 2_000) => until(`desk().state === "${wanted}"`, most);
+
+/** The same until the board is so; the page shows it, and what it shows moves no more. */
+async function state(/** @type {string} */ wanted, most = 2_000) {
+  const took = await until(`desk().state === "${wanted}"`, most);
+  await browser.until(`document.querySelector("#state").textContent === "${wanted}"`, 10_000);
+  return took;
+}
 const text = (/** @type {string} */ id) => browser.value(`document.querySelector("#${id}").textContent`);
 const told = (/** @type {string} */ id, /** @type {RegExp} */ words) =>
   browser.until(`${words}.test(document.querySelector("#${id}").textContent)`, 10_000);
 const enabled = (/** @type {string} */ id) =>
-  browser.until(`!document.querySelector("#${id}").disabled && !document.querySelector("#${id}").hidden`, 10_000);
+  browser.until(`document.querySelector("#${id}:enabled:not([hidden])") !== null`, 10_000);
 
 async function arm() {
   await enabled("arm");
@@ -102,6 +108,7 @@ async function arm() {
 async function connect() {
   await browser.click("#connect");
   await until("desk().simulated === false && desk().firmware !== null", 3_000);
+  await browser.until("document.body.dataset.rig === 'real'", 10_000);
 }
 
 async function journey() {
@@ -140,6 +147,9 @@ async function journey() {
     await enabled("zero");
     await browser.click("#zero");
     await state("ready", 61_000);
+    // Who plays a record would not see the board.
+    const play = "window.twinrotor.player.open(new File(['t'], 'a.csv')).catch(({ message }) => message)";
+    assert.match(await browser.value(play), /leave the board first/);
     // Nothing of a simulated rig is offered.
     assert.equal(await browser.value("document.querySelector('#faults').checkVisibility()"), false);
     assert.equal(await browser.value("document.querySelector('#speed').checkVisibility()"), false);

@@ -15,7 +15,7 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 23] = modules![
+const MODULES: [Module; 24] = modules![
     "app.js",
     "attempt.js",
     "base85.js",
@@ -30,6 +30,7 @@ const MODULES: [Module; 23] = modules![
     "machine.js",
     "matrix.js",
     "mesh.js",
+    "player.js",
     "plots.js",
     "rig.js",
     "search.js",
