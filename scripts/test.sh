@@ -10,11 +10,21 @@ stage "tests on the host" cargo test --workspace --exclude firmware --features "
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"
+. scripts/seeded.sh
 firmware() { RUSTUP_TOOLCHAIN="$toolchain" cargo fw "$@"; }
+variant() {
+  seeded "$2"
+  firmware --features "$1" --target-dir "target/$2"
+}
+without_a_rig() {
+  seeded "$1-sim"
+  RUSTUP_TOOLCHAIN="$toolchain" cargo "fw-$1-sim"
+}
 stage "firmware" firmware
-stage "firmware, sign and magnitude" firmware --features sign-magnitude --target-dir target/sign-magnitude
-stage "firmware, for bootstrapped bridges" firmware --features bootstrap --target-dir target/bootstrap
-stage "firmware, for a debugger" firmware --features debug --target-dir target/debug-build
-stage "firmware, with a simulated rig" env RUSTUP_TOOLCHAIN="$toolchain" cargo fw-f405-sim
+stage "firmware, sign and magnitude" variant sign-magnitude sign-magnitude
+stage "firmware, for bootstrapped bridges" variant bootstrap bootstrap
+stage "firmware, for a debugger" variant debug debug-build
+stage "firmware, with a simulated rig" without_a_rig f405
+stage "the same for a Nucleo-F446RE" without_a_rig nucleo-f446
 stage "tests of the firmware as a file" cargo fw-test
 stage "tests on the virtual board" cargo board-test

@@ -76,7 +76,9 @@ impl Duty<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::presets::PWM_STEPS;
+    use crate::board::F405;
+
+    const PWM_STEPS: u32 = F405.pwm_steps();
     use proptest::prelude::*;
 
     proptest! {

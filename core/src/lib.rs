@@ -28,7 +28,7 @@
 //!    [`command_filter`] shapes what is left of jumps into derivatives that belong together.
 //! 5. [`law`]: both to the torque on each axis, eqs (26)-(27).
 //! 6. [`allocation`]: torque, after [`lead`] against rotor lag, to motor volts within limits, eqs (28)-(29).
-//! 7. [`drive`]: volts to the duty of the PWM amplifiers.
+//! 7. [`drive`]: volts to the duty of the PWM amplifiers, as fine as the [`board`] makes it.
 //! 8. [`telemetry`]: the frame of the tick.
 //!
 //! [`pipeline`] is steps 2, 4 (its filter), 5 and 6 over any [`Real`](real::Real); [`control_loop`] is the
@@ -131,6 +131,7 @@ pub mod law;
 pub mod allocation;
 pub mod lead;
 
+pub mod board;
 pub mod drive;
 
 pub mod telemetry;

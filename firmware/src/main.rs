@@ -74,7 +74,7 @@ async fn main(spawner: embassy_executor::Spawner) {
         (&parameters, provenance),
         reset.map(|r| r.cause),
     );
-    log::boot(boards::BOARD.name, reset, provenance);
+    log::boot(boards::BOARD.known.name, reset, provenance);
     let line = (board.serial_in, board.serial_out);
     serial::start(spawner, line, storage, (parameters, provenance), reset, reports, commands);
     spawner.spawn(led::show(board.led).expect("spawned once"));

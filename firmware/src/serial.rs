@@ -44,7 +44,7 @@ pub(crate) fn start(
     static CONVERSATION: StaticCell<Conversation> = StaticCell::new();
     let board = Board {
         firmware: env!("CARGO_PKG_VERSION"),
-        chip: BOARD.chip,
+        chip: BOARD.known.chip,
         port: Port::KIND,
         nonce: nonce::draw(),
         reset,

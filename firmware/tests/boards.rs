@@ -3,13 +3,13 @@
 #[path = "../src/boards/mod.rs"]
 mod boards;
 
-use boards::{Board, INTERNAL_HZ, Pin, Source, Stream, f405, f407, nucleo_f446};
+use boards::{Board, INTERNAL_HZ, Pin, Source, Stream, f405, f407, nucleo_f411, nucleo_f446};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use twinrotor::plant::presets;
 
-const ALL: [Board; 3] = [f405::BOARD, f407::BOARD, nucleo_f446::BOARD];
+const ALL: [Board; 4] = [f405::BOARD, f407::BOARD, nucleo_f411::BOARD, nucleo_f446::BOARD];
 
 fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path))
@@ -40,12 +40,12 @@ fn pins(board: &Board) -> Vec<(&'static str, &'static str)> {
     ]
 }
 
-/// STM32F405 and F446 datasheets: 168 (180) MHz core, 42 (45) and 84 (90) MHz buses; reference manual RM0090,
-/// 7.3.2: 1 to 2 MHz into the PLL, 100 to 432 MHz (192 on early chips) within.
+/// STM32F405 and F446 datasheets: 168 (180) MHz core, 42 (45) and 84 (90) MHz buses; F411: 100, 50 and 100
+/// MHz. Reference manual RM0090, 7.3.2: 1 to 2 MHz into the PLL, 100 to 432 MHz (192 on early chips) within.
 #[test]
 fn clocks_are_whole_and_within_the_chips_limits() {
     for board in ALL {
-        let (name, c) = (board.name, &board.clocks);
+        let (name, c) = (board.known.name, &board.clocks);
         let input = c.source_hz / u32::from(c.divide);
         let inside = input * u32::from(c.multiply);
         assert!((1_000_000..=2_000_000).contains(&input), "{name}: {input} Hz into the PLL");
@@ -55,16 +55,21 @@ fn clocks_are_whole_and_within_the_chips_limits() {
             [2, 4, 6, 8].contains(&c.post_divide) && inside.is_multiple_of(c.post_divide.into()),
             "{name}"
         );
-        assert!(c.core_hz() <= 168_000_000 && c.core_hz().is_multiple_of(1_000_000), "{name}");
-        assert!(c.core_hz() / u32::from(c.apb1_divide) <= 42_000_000, "{name}");
-        assert!(c.core_hz() / u32::from(c.apb2_divide) <= 84_000_000, "{name}");
+        let [core, slow, fast] = if board.known.chip.starts_with("stm32f411") {
+            [100_000_000, 50_000_000, 100_000_000]
+        } else {
+            [168_000_000, 42_000_000, 84_000_000]
+        };
+        assert!(c.core_hz() <= core && c.core_hz().is_multiple_of(1_000_000), "{name}");
+        assert!(c.core_hz() / u32::from(c.apb1_divide) <= slow, "{name}");
+        assert!(c.core_hz() / u32::from(c.apb2_divide) <= fast, "{name}");
     }
 }
 
 #[test]
 fn without_its_crystal_a_board_is_as_fast_and_the_stopwatch_counts_whole_cycles() {
     for board in ALL {
-        let (name, c) = (board.name, &board.clocks);
+        let (name, c) = (board.known.name, &board.clocks);
         let input = INTERNAL_HZ / u32::from(c.fallback_divide());
         assert!((1_000_000..=2_000_000).contains(&input), "{name}: {input} Hz into the PLL");
         assert_eq!(input * u32::from(c.multiply) / u32::from(c.post_divide), c.core_hz(), "{name}");
@@ -77,7 +82,7 @@ fn without_its_crystal_a_board_is_as_fast_and_the_stopwatch_counts_whole_cycles(
 #[test]
 fn the_serial_ports_stream_is_its_own() {
     for board in ALL {
-        assert_eq!(board.wiring.serial, "USART2", "{}", board.name);
+        assert_eq!(board.wiring.serial, "USART2", "{}", board.known.name);
         assert_eq!(Stream::named(board.wiring.serial_in_dma), Stream { controller: 1, number: 5 });
     }
 }
@@ -85,24 +90,23 @@ fn the_serial_ports_stream_is_its_own() {
 #[test]
 fn a_nucleo_board_is_fed_and_the_others_have_a_crystal() {
     for board in ALL {
-        let fed = board.name.starts_with("nucleo");
-        assert_eq!(board.clocks.source == Source::External, fed, "{}", board.name);
+        let fed = board.known.name.starts_with("nucleo");
+        assert_eq!(board.clocks.source == Source::External, fed, "{}", board.known.name);
     }
 }
 
 #[test]
 fn the_pwm_is_what_the_host_simulates() {
     for board in ALL {
-        assert_eq!(u32::from(board.pwm_top()), 2 * board.full_steps(), "{}", board.name);
-        for (preset, rig) in presets::ALL {
-            assert_eq!(board.full_steps(), rig.pwm_steps, "{}, {preset}", board.name);
-        }
+        assert_eq!(u32::from(board.pwm_top()), 2 * board.full_steps(), "{}", board.known.name);
+        assert_eq!(board.clocks.pwm_timer_hz(), board.known.pwm_timer_hz, "{}", board.known.name);
+        assert_eq!(board.full_steps(), board.known.pwm_steps(), "{}", board.known.name);
         let timer_hz = f64::from(board.clocks.pwm_timer_hz());
         let dead_time = f64::from(board.dead_time()) / timer_hz * 1e9;
         assert!(
             (dead_time - f64::from(board.dead_time_ns)).abs() < 1e9 / timer_hz,
             "{}: {dead_time} ns",
-            board.name
+            board.known.name
         );
     }
 }
@@ -113,16 +117,20 @@ fn every_pin_has_one_signal_and_no_probe_on_it() {
         let pins = pins(&board);
         let places: BTreeSet<_> =
             pins.iter().map(|&(_, pin)| (Pin::named(pin).port, Pin::named(pin).number)).collect();
-        assert_eq!(places.len(), pins.len(), "{}: two signals on one pin", board.name);
+        assert_eq!(places.len(), pins.len(), "{}: two signals on one pin", board.known.name);
         for taken in ["PA13", "PA14"] {
             let probe = Pin::named(taken);
-            assert!(!places.contains(&(probe.port, probe.number)), "{}: {taken} is the probe's", board.name);
+            assert!(
+                !places.contains(&(probe.port, probe.number)),
+                "{}: {taken} is the probe's",
+                board.known.name
+            );
         }
         // The interrupt of EXTI lines 10 to 15 is the one that is listened to.
-        assert!(Pin::named(board.wiring.emergency_stop).number >= 10, "{}", board.name);
+        assert!(Pin::named(board.wiring.emergency_stop).number >= 10, "{}", board.known.name);
         // STM32F4 datasheets: ADC1's channels 10 to 15 are PC0 to PC5.
         let supply = Pin::named(board.wiring.supply);
-        assert_eq!((supply.port, supply.number + 10), (2, board.supply_channel), "{}", board.name);
+        assert_eq!((supply.port, supply.number + 10), (2, board.supply_channel), "{}", board.known.name);
     }
 }
 
@@ -136,7 +144,7 @@ fn cargo_has_a_command_to_build_lint_and_program_each() {
         "cargo fw-run's chip"
     );
     for board in ALL.iter().skip(1) {
-        let Board { name, probe_chip, .. } = board;
+        let Board { known: twinrotor::board::Board { name, .. }, probe_chip, .. } = board;
         for alias in ["fw", "fw-run", "fw-clippy"] {
             let (_, line) = config.split_once(&format!("{alias}-{name} = ")).expect("an alias for the board");
             let line = line.split("\"\"\"").nth(1).expect("its words");
@@ -155,7 +163,7 @@ fn the_wiring_table_has_every_pin() {
     let document = read("docs/wiring.md");
     for board in ALL {
         for (signal, pin) in pins(&board) {
-            assert!(document.contains(pin), "{}: docs/wiring.md lacks {pin}, {signal}", board.name);
+            assert!(document.contains(pin), "{}: docs/wiring.md lacks {pin}, {signal}", board.known.name);
         }
     }
 }
@@ -163,7 +171,7 @@ fn the_wiring_table_has_every_pin() {
 /// RM0090, 18.3.12: TIM2 to TIM5 count encoders. TIM1 has the PWM, TIM12 the program's time.
 #[test]
 fn every_peripheral_has_one_use() {
-    for Board { name, wiring: w, .. } in &ALL {
+    for Board { known: twinrotor::board::Board { name, .. }, wiring: w, .. } in &ALL {
         let encoders = ["TIM2", "TIM3", "TIM4", "TIM5"];
         assert!(encoders.contains(&w.pitch_timer) && encoders.contains(&w.yaw_timer), "{name}");
         assert_ne!(w.pitch_timer, w.yaw_timer, "{name}");
@@ -174,7 +182,7 @@ fn every_peripheral_has_one_use() {
 
 #[test]
 fn the_chip_told_is_the_chip_programmed() {
-    for Board { name, chip, probe_chip, .. } in &ALL {
+    for Board { known: twinrotor::board::Board { name, chip, .. }, probe_chip, .. } in &ALL {
         assert!(probe_chip.to_lowercase().starts_with(chip), "{name}: {chip}, {probe_chip}");
     }
 }
@@ -185,7 +193,11 @@ fn the_converter_sees_more_than_any_rig_may_have() {
     for board in ALL {
         for (preset, rig) in presets::ALL {
             let most = rig.volts_limit.main.max(rig.volts_limit.tail);
-            assert!(f64::from(board.supply_full_scale) > 1.25 * most, "{}, {preset}: {most} V", board.name);
+            assert!(
+                f64::from(board.supply_full_scale) > 1.25 * most,
+                "{}, {preset}: {most} V",
+                board.known.name
+            );
         }
     }
 }
@@ -196,8 +208,12 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     let config = read(".cargo/config.toml");
     let words: Vec<&str> = config.split_whitespace().collect();
     let config = words.join(" ");
-    for (board, features) in [(f405::BOARD, "simulated"), (nucleo_f446::BOARD, "nucleo-f446,simulated")] {
-        let Board { name, probe_chip, .. } = board;
+    for (board, features) in [
+        (f405::BOARD, "simulated"),
+        (nucleo_f411::BOARD, "nucleo-f411,simulated"),
+        (nucleo_f446::BOARD, "nucleo-f446,simulated"),
+    ] {
+        let Board { known: twinrotor::board::Board { name, .. }, probe_chip, .. } = board;
         for alias in ["fw", "fw-run", "fw-clippy"] {
             let (_, line) = config.split_once(&format!("{alias}-{name}-sim = ")).expect("an alias");
             let line = line.split("\"\"\"").nth(1).expect("its words");
@@ -207,7 +223,11 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
             );
             // The f405's chip is the one that is programmed without a word.
             let programs = line.contains(&format!("--config env.PROBE_RS_CHIP='{probe_chip}'"));
-            assert_eq!(programs, alias == "fw-run" && name != f405::BOARD.name, "{alias}-{name}-sim: {line}");
+            assert_eq!(
+                programs,
+                alias == "fw-run" && *name != f405::BOARD.known.name,
+                "{alias}-{name}-sim: {line}"
+            );
         }
     }
 }
@@ -218,9 +238,9 @@ fn a_button_is_on_a_pin_of_a_port_that_all_chips_have() {
     for board in ALL {
         let Some(button) = board.button else { continue };
         let pin = Pin::named(button.pin);
-        assert!(pin.port < 4, "{}: {}", board.name, button.pin);
-        assert_eq!(button.pressed_high, !board.name.starts_with("nucleo"), "{}", board.name);
+        assert!(pin.port < 4, "{}: {}", board.known.name, button.pin);
+        assert_eq!(button.pressed_high, !board.known.name.starts_with("nucleo"), "{}", board.known.name);
         let w = &board.wiring;
-        assert!(![w.serial_out, w.serial_in, w.led, w.enable].contains(&button.pin), "{}", board.name);
+        assert!(![w.serial_out, w.serial_in, w.led, w.enable].contains(&button.pin), "{}", board.known.name);
     }
 }

@@ -78,6 +78,53 @@ fn every_path_in_the_documentation_exists() {
     assert!(checked > 100, "{checked} paths");
 }
 
+/// The site's contents name every page once, and each is named for one of the four kinds of reading.
+#[test]
+fn every_page_is_in_the_contents() {
+    let folder = root().join("docs");
+    let contents = fs::read_to_string(folder.join("SUMMARY.md")).unwrap();
+    let pages = files(&folder).into_iter().filter(|path| path.extension().is_some_and(|e| e == "md"));
+    let mut checked = 0;
+    for page in pages.map(|path| path.file_name().unwrap().to_string_lossy().into_owned()) {
+        if page == "SUMMARY.md" {
+            continue;
+        }
+        assert_eq!(contents.matches(&format!("]({page})")).count(), 1, "{page} in docs/SUMMARY.md");
+        checked += 1;
+    }
+    assert!(checked > 15, "{checked} pages");
+    let kinds: Vec<&str> = contents.lines().filter(|line| line.starts_with("# ")).collect();
+    assert_eq!(kinds, ["# Summary", "# Learn", "# Do", "# Look up", "# Understand"]);
+}
+
+/// A heading as the anchor that pages and forges make of it.
+fn anchor(heading: &str) -> String {
+    let lower = heading.to_lowercase();
+    let kept: String = lower.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect();
+    kept.replace(' ', "-")
+}
+
+#[test]
+fn every_link_into_a_page_finds_its_heading() {
+    let (root, mut checked) = (root(), 0);
+    for (document, text) in texts(&["md"]) {
+        let beside = root.join(&document).parent().unwrap().to_path_buf();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link);
+        for (page, wanted) in links.filter_map(|link| link.split_once('#')) {
+            if page.contains(':') {
+                continue;
+            }
+            let there =
+                if page.is_empty() { text.clone() } else { fs::read_to_string(beside.join(page)).unwrap() };
+            let headings = there.lines().filter(|line| line.starts_with('#'));
+            let found = headings.map(|line| anchor(line.trim_start_matches('#').trim())).any(|a| a == wanted);
+            assert!(found, "{document}: {page} has no heading #{wanted}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 3, "{checked} links");
+}
+
 /// Every source file of the core and of the firmware has its place in the map: a module in the list of
 /// `core/src/lib.rs`, or its path in ARCHITECTURE.md.
 #[test]

@@ -109,7 +109,7 @@ impl ControlLoop {
             }
         };
         let parameters = Parameters { checked, ..Parameters::new(&named.rig, &settings) };
-        let drive = Drive::new(named.rig.pwm_steps);
+        let drive = Drive::new(named.rig.board.pwm_steps());
         Ok(Self {
             control: control_loop::ControlLoop::new(&parameters, width, shown(counters), drive, None),
             wanted: VecDeque::new(),
@@ -210,7 +210,7 @@ impl Bench {
         let rig = named_rig(preset)?.rig;
         let mut bench = bench::Bench::at_rest(&rig, SAMPLE_TIME);
         bench.set_table(true);
-        Ok(Self { bench, drive: Drive::new(rig.pwm_steps), rig })
+        Ok(Self { bench, drive: Drive::new(rig.board.pwm_steps()), rig })
     }
 
     /// Milliseconds pass; `volts` act from the second one on, and amplifiers that are not enabled give

@@ -55,7 +55,8 @@ def test_gains_of_a_search(host_sim: Run, algorithm: str, seed: int) -> None:
 
 def test_gains_of_a_robust_search(host_sim: Run) -> None:
     flags = (
-        "tune --preset aero2 --objective robust --plants 4 --rounds 2 --population 6 --iterations 2 --seed 3"
+        "tune --preset aero2 --objective robust --scenes step --algorithm fpa-paper --plants 4 --rounds 2"
+        " --population 6 --iterations 2 --seed 3"
     )
     folder = host_sim(*flags.split(), "--at-most", "overshoot_p95.yaw=2")
     tuned = tr.tune_robust(

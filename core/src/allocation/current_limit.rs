@@ -81,6 +81,13 @@ impl<R: Real> CurrentLimit<R> {
         self.heat = PerMotor::zero();
     }
 
+    /// The motors are as warm as a constant current would make them in the long run whose square is `share`
+    /// \[-\] of the continuous one's.
+    pub fn warm(&mut self, share: R) {
+        let continuous = self.settings.continuous;
+        self.heat = PerMotor::both(share * (continuous * continuous));
+    }
+
     /// Takes note of one tick with `applied` volts and `in_effect` at its end.
     #[inline(always)]
     pub fn observe(&mut self, applied: PerMotor<R>, in_effect: PerMotor<R>) {

@@ -29,7 +29,7 @@ impl Hardware {
         Self {
             encoder_counts: rig.encoder_counts,
             encoder_phase,
-            pwm_steps: rig.pwm_steps,
+            pwm_steps: rig.board.pwm_steps(),
             supply: rig.volts_limit.main.max(rig.volts_limit.tail),
             believed_counts: rig.encoder_counts,
             wear: Wear::default(),
@@ -44,7 +44,7 @@ impl Hardware {
             || truth.volts_limit.tail < belief.volts_limit.tail;
         Self {
             believed_counts: belief.encoder_counts,
-            pwm_steps: belief.pwm_steps,
+            pwm_steps: belief.board.pwm_steps(),
             wear: Wear { limit: if less { Some(truth.volts_limit) } else { self.wear.limit }, ..self.wear },
             ..self
         }

@@ -136,10 +136,20 @@ impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
         self.counted
     }
 
+    /// \[counts\] What is read of the encoders since they were switched on: noise and all.
+    pub fn shown(&self) -> PerAxis<i32> {
+        let noise = self.worn.shown(PerAxis::zero()).map(Whole::to_integer);
+        self.counted.zip(noise, i32::wrapping_add)
+    }
+
     /// What counters of 16 bits show.
     pub fn counters(&self) -> PerAxis<u32> {
-        let noise = self.worn.shown(PerAxis::zero()).map(Whole::to_integer);
-        self.counted.zip(noise, |count, noise| count.wrapping_add(noise).cast_unsigned() & 0xFFFF)
+        self.shown().map(|count| count.cast_unsigned() & 0xFFFF)
+    }
+
+    /// \[V\] What amplifiers that are enabled give in the tick that comes.
+    pub fn latched(&self) -> PerMotor<R> {
+        self.latched
     }
 
     /// A tick passes with `volts` \[V\] from the amplifiers, which are `enabled` or not. Answers what turned

@@ -3,6 +3,7 @@
 use super::{Bench, Faults, Injection};
 use crate::SAMPLE_TIME;
 use crate::axes::{PerAxis, PerMotor};
+use crate::board::Board;
 use crate::drive::Duty;
 use crate::parameters::Parameters;
 use crate::plant::PlantParameters;
@@ -32,9 +33,9 @@ impl SimulatedRig {
         Self { bench, rest: bench, body, current_limit: false, emergency_stop: false, stall: 0 }
     }
 
-    /// The rig of which the record speaks, with `pwm_steps` from zero to full voltage.
-    pub fn of(parameters: &Parameters, pwm_steps: u32) -> Self {
-        Self::new(&parameters.rig(pwm_steps))
+    /// The rig of which the record speaks, at `board`.
+    pub fn of(parameters: &Parameters, board: Board) -> Self {
+        Self::new(&parameters.rig(board))
     }
 
     /// What counters of 16 bits show.
@@ -104,10 +105,11 @@ impl Bench<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::board::F405;
     use crate::defaults;
     use crate::drive::Drive;
     use crate::pipeline::Settings;
-    use crate::plant::presets::{self, PWM_STEPS};
+    use crate::plant::presets;
 
     fn record(name: &str, rig: &Rig) -> Parameters {
         Parameters::new(rig, &Settings::new(rig, defaults::named(name).unwrap(), SAMPLE_TIME))
@@ -118,7 +120,7 @@ mod tests {
     #[test]
     fn the_rig_of_a_record_is_the_presets() {
         for (name, preset) in presets::ALL {
-            let rig = record(name, &preset).rig(preset.pwm_steps);
+            let rig = record(name, &preset).rig(preset.board);
             assert_eq!(rig.plant.map(f32::from_f64), preset.plant.map(f32::from_f64), "{name}");
             assert_eq!(rig.encoder_counts, preset.encoder_counts, "{name}");
             assert_eq!(rig.volts_limit.cast::<f32>(), preset.volts_limit.cast::<f32>(), "{name}");
@@ -132,7 +134,7 @@ mod tests {
     #[test]
     fn every_rig_lies_still_until_it_is_armed() {
         for (name, preset) in presets::ALL {
-            let mut rig = SimulatedRig::of(&record(name, &preset), PWM_STEPS);
+            let mut rig = SimulatedRig::of(&record(name, &preset), F405);
             let begin = rig.bench.state();
             (0..3_000).for_each(|_| rig.tick(PerMotor::default(), ArmState::Ready));
             assert_eq!(rig.bench.state(), begin, "{name}");
@@ -143,9 +145,9 @@ mod tests {
     #[test]
     fn put_back_it_is_as_it_was_and_its_encoders_have_counted_the_way() {
         let (name, preset) = ("heli", presets::HELI);
-        let mut rig = SimulatedRig::of(&record(name, &preset), PWM_STEPS);
+        let mut rig = SimulatedRig::of(&record(name, &preset), F405);
         let begin = rig.bench.state();
-        let duty = Drive::new(PWM_STEPS).duty(PerMotor::new(20.0, 9.0), rig.supply());
+        let duty = Drive::new(F405.pwm_steps()).duty(PerMotor::new(20.0, 9.0), rig.supply());
         rig.inject(&Injection::Weight { mass: 0.01, arm: 0.1 });
         rig.inject(&Injection::CurrentLimit(true));
         (0..1_000).for_each(|_| rig.tick(duty, ArmState::Armed));
@@ -155,7 +157,7 @@ mod tests {
         assert_eq!((rig.bench.state(), rig.bench.counted()), (begin, PerAxis::both(0)));
         assert!(!rig.current_limit());
         // From here on it flies as a new one does.
-        let mut new = SimulatedRig::of(&record(name, &preset), PWM_STEPS);
+        let mut new = SimulatedRig::of(&record(name, &preset), F405);
         for _ in 0..500 {
             rig.tick(duty, ArmState::Armed);
             new.tick(duty, ArmState::Armed);
@@ -166,7 +168,7 @@ mod tests {
     #[test]
     fn a_weight_turns_the_nose_down_and_a_disturbance_the_yaw_axis() {
         let flown = |injection: Option<Injection>| {
-            let mut rig = SimulatedRig::of(&record("aero2", &presets::AERO2), PWM_STEPS);
+            let mut rig = SimulatedRig::of(&record("aero2", &presets::AERO2), F405);
             injection.iter().for_each(|injection| rig.inject(injection));
             (0..500).for_each(|_| rig.tick(PerMotor::default(), ArmState::Armed));
             rig.bench.state().angle

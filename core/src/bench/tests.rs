@@ -71,7 +71,7 @@ fn who_holds_the_rig_lets_go_when_the_amplifiers_are_switched_on() {
 #[test]
 fn a_duty_acts_one_tick_late_and_only_through_enabled_amplifiers() {
     let mut bench = Bench::<f32>::at_rest(&presets::AERO, SAMPLE_TIME);
-    let drive = Drive::new(presets::AERO.pwm_steps);
+    let drive = Drive::new(presets::AERO.board.pwm_steps());
     let asked = PerMotor::new(12.0, -6.0);
     let duty = drive.duty(asked, bench.supply);
     assert_eq!(bench.tick(duty, true), PerMotor::zero());

@@ -110,6 +110,11 @@ impl ControlLoop {
         *self = Self { tick: self.tick, taken: self.taken, ..new };
     }
 
+    /// In a simulation that begins with warm motors: see [`Pipeline::warm`].
+    pub fn warm(&mut self, share: f32) {
+        self.accepted.pipeline.warm(share);
+    }
+
     /// Whether the motors may turn, since the last tick.
     pub fn state(&self) -> ArmState {
         self.supervisor.state()

@@ -1,13 +1,14 @@
 //! The rig of which a record speaks.
 
 use super::Parameters;
+use crate::board::Board;
 use crate::plant::presets::{Envelope, Rig, Supply};
 
 impl Parameters {
-    /// The rig as the record has it, with `pwm_steps` from zero to full voltage: the whole plant, the
-    /// encoders, the rest pose to a count. A supply that just reaches the larger voltage limit.
+    /// The rig as the record has it, at `board`: the whole plant, the encoders, the rest pose to a count. A
+    /// supply that just reaches the larger voltage limit.
     #[must_use]
-    pub fn rig(&self, pwm_steps: u32) -> Rig {
+    pub fn rig(&self, board: Board) -> Rig {
         let volts_limit = self.settings.volts_limit.map(f64::from);
         Rig {
             plant: self.settings.model.map(f64::from),
@@ -19,7 +20,7 @@ impl Parameters {
             },
             nominal_volts: 0.0,
             encoder_counts: self.encoders.map(|scale| counts_per_turn(scale.angle_per_count)),
-            pwm_steps,
+            board,
             rest_angle: self
                 .encoders
                 .map(|scale| f64::from(scale.rest_counts) * f64::from(scale.angle_per_count)),

@@ -114,6 +114,14 @@ impl<R: Real> Pipeline<R> {
         }
     }
 
+    /// The motors have that share \[-\] of the heat that their continuous current gives them
+    /// ([`CurrentLimit::warm`]), where what they can take is known.
+    pub fn warm(&mut self, share: R) {
+        if let Some(limit) = &mut self.current_limit {
+            limit.warm(share);
+        }
+    }
+
     /// Takes over what `from`, on the same rig, is in: where the rotors and the motors' heat are, how far the
     /// reference is on its way, and the whole of each part whose settings (`own` here, `others` there) are
     /// the same.

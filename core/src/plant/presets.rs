@@ -6,6 +6,7 @@
 use super::{Effectiveness, PlantParameters, State, plausible};
 use crate::DEGREE;
 use crate::axes::{PerAxis, PerMotor};
+use crate::board::{self, Board};
 use crate::validate::{Invalid, positive, require};
 use serde::{Deserialize, Serialize};
 
@@ -24,8 +25,10 @@ pub struct Rig {
     pub nominal_volts: f64,
     /// Encoder counts a revolution, all four edges counted.
     pub encoder_counts: PerAxis<u32>,
-    /// Steps of the PWM between zero and full voltage.
-    pub pwm_steps: u32,
+    /// The board that flies it, from outside: no file of a rig has one. In files of before there were boards
+    /// stands how many steps its PWM has, which is read over.
+    #[serde(rename = "pwm_steps", default, skip_serializing, deserialize_with = "former_pwm_steps")]
+    pub board: Board,
     /// \[rad\] Where it lies with the motors off, seen from the horizontal.
     pub rest_angle: PerAxis<f64>,
     /// What it must not leave.
@@ -33,6 +36,16 @@ pub struct Rig {
     /// The motors, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<MotorConstants>,
+}
+
+/// What a file of before there were boards says, a number that was allowed then: it is the board's now.
+fn former_pwm_steps<'de, D: serde::Deserializer<'de>>(file: D) -> Result<Board, D::Error> {
+    match u32::deserialize(file)? {
+        16..=65_535 => Ok(Board::default()),
+        steps => Err(serde::de::Error::custom(format_args!(
+            "pwm_steps is {steps}; allowed: 16 to 65535 (or leave it out, the board knows it)"
+        ))),
+    }
 }
 
 /// The amplifiers' supply.
@@ -96,9 +109,6 @@ pub struct MotorConstants {
 const PITCH_ENVELOPE: f64 = 40.0 * DEGREE;
 /// \[rad/s\] Twice the fastest rate of a time-optimal step of 15 and 40 degrees within 24 V.
 const RATE_ENVELOPE: PerAxis<f64> = PerAxis::new(10.0, 10.0);
-/// Compare steps between zero and full voltage on the boards that the firmware knows, whose timers all count
-/// at 168 MHz. It does not compile for a board that has others.
-pub const PWM_STEPS: u32 = crate::drive::full_steps(168_000_000);
 
 const NO_EFFECTIVENESS: Effectiveness<f64> =
     Effectiveness { main_on_pitch: 0.0, tail_on_pitch: 0.0, main_on_yaw: 0.0, tail_on_yaw: 0.0 };
@@ -142,7 +152,7 @@ pub const PAPER: Rig = Rig {
     supply: SUPPLY,
     nominal_volts: 0.0,
     encoder_counts: PerAxis::new(2880, 4096),
-    pwm_steps: PWM_STEPS,
+    board: board::F405,
     rest_angle: PerAxis::both(0.0),
     envelope: Envelope { pitch: PITCH_ENVELOPE, rate: RATE_ENVELOPE },
     motor: None,

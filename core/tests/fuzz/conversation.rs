@@ -2,6 +2,7 @@
 
 use super::{Chance, inputs, sound};
 use twinrotor::axes::PerAxis;
+use twinrotor::board::F405;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::conversation::commands::{self, Commands};
@@ -10,7 +11,6 @@ use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
 use twinrotor::link::{self, LinkError, Nonce, Refusal, ToBoard};
 use twinrotor::parameters::Provenance;
-use twinrotor::plant::presets::PWM_STEPS;
 use twinrotor::reference::Reference;
 use twinrotor::replay::Sample;
 use twinrotor::rig_port::RigPort;
@@ -84,7 +84,7 @@ impl FuzzedBoard {
             baud: link::BAUD,
         };
         let parameters = sound();
-        let drive = Drive::new(PWM_STEPS);
+        let drive = Drive::new(F405.pwm_steps());
         Self {
             conversation: Conversation::new(board, parameters, Provenance::Stored),
             control: ControlLoop::new(&parameters, CounterWidth::Bits16, PerAxis::both(0), drive, None),

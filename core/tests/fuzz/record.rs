@@ -2,12 +2,12 @@
 
 use super::{Chance, inputs, sound};
 use twinrotor::axes::PerAxis;
+use twinrotor::board::F405;
 use twinrotor::control_loop::{ControlLoop, Inputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::store::MAX_PAYLOAD;
-use twinrotor::plant::presets::PWM_STEPS;
 
 #[test]
 fn whatever_a_record_says_is_refused_or_runs_without_a_panic() {
@@ -48,7 +48,7 @@ fn whatever_a_record_says_is_refused_or_runs_without_a_panic() {
 /// A few ticks, motors off: nothing panics and nothing turns.
 fn runs(parameters: &Parameters, chance: &mut Chance) {
     let counters = PerAxis::both(chance.word());
-    let drive = Drive::new(PWM_STEPS);
+    let drive = Drive::new(F405.pwm_steps());
     let mut control = ControlLoop::new(parameters, CounterWidth::Bits16, counters, drive, None);
     for _ in 0..4 {
         let outputs = control.tick(&Inputs::sound(counters, 24.0));

@@ -31,8 +31,8 @@ pub fn flight(title: &str, flight: &Flight, limit: PerMotor<f64>) -> Figure {
             Panel {
                 y_label: "angle [°]".to_owned(),
                 lines: vec![
-                    dashed(line("pitch reference θd", 6, rows, |r| r.reference.pitch.to_degrees())),
-                    dashed(line("yaw reference ψd", 6, rows, |r| r.reference.yaw.to_degrees())),
+                    dashed(line("pitch reference θd", 0, rows, |r| r.reference.pitch.to_degrees())),
+                    dashed(line("yaw reference ψd", 1, rows, |r| r.reference.yaw.to_degrees())),
                     line("pitch θ", 0, rows, |r| r.state.angle.pitch.to_degrees()),
                     line("yaw ψ", 1, rows, |r| r.state.angle.yaw.to_degrees()),
                 ],

@@ -4,6 +4,8 @@ pub mod flight;
 mod labels;
 mod line;
 pub mod moving;
+#[cfg(feature = "png")]
+pub mod pixels;
 
 use labels::{number, power};
 pub use line::{Line, Stroke};
@@ -32,6 +34,8 @@ pub struct Panel {
     pub bands: Vec<Band>,
     /// What is drawn, first at the bottom.
     pub lines: Vec<Line>,
+    /// Words beside points of the axes, above everything.
+    pub labels: Vec<(f64, f64, String)>,
     /// Horizontal lines, such as limits.
     pub limits: Vec<f64>,
     /// Powers of ten on the vertical axis; what is not above zero is left out.
@@ -128,24 +132,14 @@ impl Figure {
         text
     }
 
-    /// As a PNG picture.
+    /// As a PNG picture: the SVG document in pixels, [`pixels::SCALE`] for each of its units.
     ///
     /// # Errors
     ///
     /// If it cannot be drawn.
     #[cfg(feature = "png")]
     pub fn to_png(&self) -> Outcome<Vec<u8>> {
-        let failed = |e: png::EncodingError| Error::Failed(format!("the figure cannot be drawn: {e}"));
-        let (width, height) = self.size(Layout::Wide);
-        let mut pixels = vec![0; 3 * width as usize * height as usize];
-        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-        self.draw(area, Layout::Wide)?;
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.write_header().and_then(|mut body| body.write_image_data(&pixels)).map_err(failed)?;
-        Ok(bytes)
+        pixels::png(&self.to_svg(Layout::Wide)?)
     }
 
     fn draw<B: DrawingBackend>(
@@ -248,6 +242,12 @@ impl Panel {
         }
         for line in &self.lines {
             line.draw(&mut chart, |y| self.drawn(y))?;
+        }
+        let small = ("sans-serif", 12).into_text_style(&area).color(&SOFT);
+        for (x, y, text) in &self.labels {
+            let beside =
+                EmptyElement::at((*x, self.drawn(*y))) + Text::new(text.clone(), (6, -13), small.clone());
+            chart.draw_series(std::iter::once(beside))?;
         }
         self.draw_legend(&legend, layout)
     }

@@ -45,16 +45,62 @@ fn what_xml_has_no_place_for_is_not_in_it() {
     assert!(!svg.contains(is_no_xml) && svg.contains("a\u{fffd}b\u{fffd}c\u{fffd}d&lt;&amp;&gt;"), "{svg}");
 }
 
-/// By PNG's own decoder: as large as it is said to be, white at the edge, not white everywhere.
+/// As large as it is said to be.
+#[cfg(feature = "png")]
+fn picture(figure: &Figure) -> resvg::tiny_skia::Pixmap {
+    let picture = resvg::tiny_skia::Pixmap::decode_png(&figure.to_png().unwrap()).unwrap();
+    let (width, height) = figure.size(Layout::Wide);
+    let scale = u32::from(pixels::SCALE);
+    assert_eq!((picture.width(), picture.height()), (scale * width, scale * height));
+    picture
+}
+
+/// Volts that jump from limit to limit in every tick: thick lines whose corners would stand far out.
 #[cfg(feature = "png")]
 #[test]
-fn a_picture_in_pixels_is_the_figure() {
-    let figure = figure(vec![(0.0, 0.0), (1.0, 1.0)], Stroke::Solid);
-    let bytes = figure.to_png().unwrap();
-    let mut reader = png::Decoder::new(bytes.as_slice()).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size()];
-    let told = reader.next_frame(&mut pixels).unwrap();
-    assert_eq!((told.width, told.height), figure.size(Layout::Wide));
-    assert_eq!(pixels[..3], [255; 3]);
-    assert!(pixels.iter().any(|x| *x < 100));
+fn a_picture_in_pixels_has_nothing_outside_its_panels() {
+    let volts = |sign: f64| (0..400).map(|k| (f64::from(k), if k % 2 == 0 { sign } else { -sign })).collect();
+    let mut hammered = figure(volts(24.0), Stroke::Solid);
+    hammered.panels.push(figure(volts(-24.0), Stroke::Solid).panels.remove(0));
+    let calm = |f: &mut Figure| f.panels.iter_mut().for_each(|p| p.lines.iter_mut().for_each(flatten));
+    let mut flat = hammered.clone();
+    calm(&mut flat);
+    let (hammered, flat) = (picture(&hammered), picture(&flat));
+    // Where the axes end: 12 for the margin, 72 for the labels; 14 before the legend. A line is as wide as 2.
+    let scale = u32::from(pixels::SCALE);
+    let (left, right) = (scale * (12 + 72 - 2), scale * (1_000 - LEGEND_WIDTH - 14 + 2));
+    let tops = [TITLE_HEIGHT + 8, TITLE_HEIGHT + PANEL_HEIGHT + 8];
+    let inside = |x: u32, y: u32| {
+        let down = |top: &u32| (scale * top..scale * (top + PANEL_HEIGHT - 26 - 8)).contains(&y);
+        (left..=right).contains(&x) && tops.iter().any(down)
+    };
+    let mut differ = 0;
+    for (k, (a, b)) in (0_u32..).zip(hammered.pixels().iter().zip(flat.pixels())) {
+        let (x, y) = (k % hammered.width(), k / hammered.width());
+        if a != b {
+            assert!(inside(x, y), "pixel {x}, {y} of a line is outside the panels");
+            differ += 1;
+        }
+    }
+    assert!(differ > 10_000, "{differ} pixels of lines");
+}
+
+/// The same range of values, drawn as two points: at the lower end, at the upper end.
+#[cfg(feature = "png")]
+fn flatten(line: &mut Line) {
+    let ends = [line.points[0], line.points[1], line.points[line.points.len() - 1]];
+    line.points = ends.to_vec();
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn a_picture_in_pixels_is_the_figure_with_smooth_edges() {
+    let picture = picture(&figure(vec![(0.0, 0.0), (1.0, 1.0)], Stroke::Solid));
+    assert_eq!(picture.pixel(0, 0).unwrap().green(), 255);
+    // The line's blue, and shades between it and white.
+    let (line, shades) = picture.pixels().iter().fold((0, 0), |(line, shades), p| {
+        let blue = (p.red(), p.green(), p.blue()) == (0, 114, 178);
+        (line + u32::from(blue), shades + u32::from(p.red() > 0 && p.red() < 255 && p.blue() > 178))
+    });
+    assert!(line > 1_000 && shades > 1_000, "{line} of the line, {shades} between");
 }

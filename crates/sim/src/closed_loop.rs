@@ -36,6 +36,17 @@ pub struct Tick<R: Real> {
     pub decision: Decision<R>,
     /// \[V\] What acted on the rotors from this tick to the next.
     pub applied: PerMotor<R>,
+    /// What a logger on the rig would have written.
+    pub logged: Logged<R>,
+}
+
+/// What is known of a rig without looking into it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Logged<R> {
+    /// \[rad\] What the encoders showed when the tick began: whole counts, where the rig has any.
+    pub angle: PerAxis<R>,
+    /// \[V\] What was sent to the motors for the time from this tick to the next.
+    pub volts: PerMotor<R>,
 }
 
 impl<R: Real> Tick<R> {
@@ -92,7 +103,8 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
         let decision = self.pipeline.act(Estimate::exact(state), reference);
         let applied = decision.allocation.volts;
         self.plant.advance(applied, disturbance);
-        Tick { state, setpoint: reference.angle, decision, applied }
+        let logged = Logged { angle: state.angle, volts: applied };
+        Tick { state, setpoint: reference.angle, decision, applied, logged }
     }
 
     fn befall(&mut self, now: &Now) {
@@ -152,6 +164,13 @@ impl<R: Real> RigLoop<R> {
     }
 }
 
+impl<R: Real> RigLoop<R> {
+    /// See [`Pipeline::warm`].
+    pub fn warm(&mut self, share: R) {
+        self.pipeline.warm(share);
+    }
+}
+
 impl<R: Real> ClosedLoop<R> for RigLoop<R> {
     #[inline(always)]
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
@@ -165,7 +184,8 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
         self.latched = self.drive.volts(duty, self.supply);
         let driven = self.worn.driven(applied);
         self.plant.advance(driven, disturbance);
-        Tick { state, setpoint: reference.angle, decision, applied: driven }
+        let logged = Logged { angle: measured, volts: applied };
+        Tick { state, setpoint: reference.angle, decision, applied: driven, logged }
     }
 
     fn befall(&mut self, now: &Now) {
@@ -179,6 +199,14 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
     }
 }
 
+/// What a board that is zeroed where `bench` is takes its counts for.
+fn encoder_scale(hardware: &Hardware, bench: &Bench<f32>) -> PerAxis<EncoderScale> {
+    hardware.believed_counts.zip(bench.position(), |counts_per_turn, rest_counts| EncoderScale {
+        angle_per_count: angle_per_count(counts_per_turn),
+        rest_counts,
+    })
+}
+
 /// The control loop that the firmware runs, ready to be armed where the rig is.
 #[derive(Debug, Clone, Copy)]
 pub struct ReadyBoard(ControlLoop);
@@ -190,9 +218,7 @@ impl ReadyBoard {
     pub fn new(hardware: &Hardware, settings: &Settings<f32>, bench: &Bench<f32>) -> Self {
         let parameters = Parameters {
             settings: *settings,
-            encoders: hardware.believed_counts.zip(bench.position(), |counts_per_turn, rest_counts| {
-                EncoderScale { angle_per_count: angle_per_count(counts_per_turn), rest_counts }
-            }),
+            encoders: encoder_scale(hardware, bench),
             limits: Limits {
                 pitch: core::f32::consts::FRAC_PI_2,
                 rate: PerAxis::both(1e3),
@@ -245,6 +271,8 @@ impl ReadyBoard {
 pub struct BoardLoop {
     /// The rig.
     pub bench: Bench<f32>,
+    /// What the board takes the counts for, and where it was switched on.
+    scale: PerAxis<EncoderScale>,
     /// \[V\] As it should be.
     supply: f32,
     /// Its board.
@@ -255,7 +283,13 @@ impl BoardLoop {
     /// As [`RigLoop::new`], with a [`ReadyBoard`].
     pub fn new(plant: RealPlant<f32>, hardware: &Hardware, settings: &Settings<f32>) -> Self {
         let bench = Bench::new(plant, hardware);
-        Self { bench, supply: bench.supply, board: ReadyBoard::new(hardware, settings, &bench) }
+        let scale = encoder_scale(hardware, &bench);
+        Self { bench, scale, supply: bench.supply, board: ReadyBoard::new(hardware, settings, &bench) }
+    }
+
+    /// See [`Pipeline::warm`].
+    pub fn warm(&mut self, share: f32) {
+        self.board.0.warm(share);
     }
 
     /// Does the board's supervisor let the law turn the motors? A flight that leaves the envelope ends that
@@ -268,10 +302,14 @@ impl BoardLoop {
 impl ClosedLoop<f32> for BoardLoop {
     fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
         let state = self.bench.state();
+        let shown = self.bench.shown();
+        let angle = self.scale.zip(shown, |at, count| at.angle_per_count * (at.rest_counts + count) as f32);
         let outputs = self.board.tick(self.bench.counters(), self.bench.supply, reference);
+        let volts = if outputs.enable { self.bench.latched() } else { PerMotor::zero() };
         self.bench.disturbance = disturbance;
         let applied = self.bench.tick(outputs.duty, outputs.enable);
-        Tick { state, setpoint: reference.angle, decision: *self.board.control().decision(), applied }
+        let decision = *self.board.control().decision();
+        Tick { state, setpoint: reference.angle, decision, applied, logged: Logged { angle, volts } }
     }
 
     fn befall(&mut self, now: &Now) {

@@ -51,6 +51,15 @@ mod tests {
         }
     }
 
+    /// The board's, since there are boards; the files stay good.
+    #[test]
+    fn a_file_with_the_steps_of_a_pwm_is_read() {
+        let former = |steps: &str| format!("pwm_steps = {steps}\n{}", to_toml(&presets::AERO));
+        assert_eq!(parse("mine.toml", &former("2100")).unwrap(), presets::AERO);
+        let error = parse("mine.toml", &former("0")).unwrap_err().to_string();
+        assert!(error.contains("pwm_steps is 0; allowed: 16 to 65535"), "{error}");
+    }
+
     #[test]
     fn a_bad_file_is_told_in_one_line_with_its_field() {
         let good = to_toml(&presets::AERO);

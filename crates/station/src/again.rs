@@ -86,7 +86,7 @@ impl Host {
     /// Has lain at rest for long enough to be zeroed, in the board's tick `zeroed`: what is done every few
     /// ticks is then done in the same ones.
     fn at_rest(rig: &Rig, parameters: &Parameters, supply: f32, zeroed: u32) -> Self {
-        let drive = Drive::new(rig.pwm_steps);
+        let drive = Drive::new(rig.board.pwm_steps());
         let mut rig = SimulatedRig::new(rig);
         rig.bench.supply = supply;
         rig.bench.hold();

@@ -7,7 +7,7 @@ use twinrotor::pipeline::Decision;
 use twinrotor::plant::State;
 use twinrotor::plant::presets::Rig;
 use twinrotor::telemetry::Frame;
-use twinrotor_sim::closed_loop::Tick;
+use twinrotor_sim::closed_loop::{Logged, Tick};
 use twinrotor_sim::flight::{Flight, Moment, Row};
 use twinrotor_sim::metrics::Metrics;
 use twinrotor_sim::scenario::Scenario;
@@ -38,7 +38,8 @@ pub fn flown(frames: &[Frame], begin: u32, rig: &Rig, scenario: &Scenario) -> Fl
         let mut decision = Decision::idle(Estimate::exact(state), reference);
         decision.allocation.demand = now.demand.map(f64::from);
         let volts = now.volts.map(f64::from);
-        metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts });
+        let logged = Logged { angle: state.angle, volts };
+        metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts, logged });
         if left_envelope.is_none() && !rig.envelope.holds(&state) {
             left_envelope = Some(Moment::of(tick));
         }
@@ -50,6 +51,7 @@ pub fn flown(frames: &[Frame], begin: u32, rig: &Rig, scenario: &Scenario) -> Fl
             volts,
             disturbance: PerMotor::zero(),
             load: PerAxis::zero(),
+            logged,
         });
     }
     Flight { rows, report: metrics.report(0, SAMPLE_TIME), board: None, left_envelope }

@@ -1,11 +1,11 @@
 //! Any board with an STM32F405RG and a crystal of 8 MHz: what `cargo fw` builds for.
 
 use super::{Board, Clocks, Source};
+use twinrotor::board;
 
 /// This board.
 pub(crate) const BOARD: Board = Board {
-    name: "f405",
-    chip: "stm32f405rg",
+    known: &board::F405,
     probe_chip: "STM32F405RGTx",
     // 168 MHz core, 42 and 84 MHz buses, 84 and 168 MHz timers.
     clocks: Clocks {

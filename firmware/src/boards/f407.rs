@@ -1,11 +1,13 @@
-//! Any board with an STM32F407VG and a crystal of 8 MHz that leaves these pins free.
+//! ST STM32F4-Discovery: an STM32F407VG with an 8 MHz crystal, at 3.0 V. Its codec, microphone, USB
+//! connector, accelerometer and button have pins of their own (UM1472, table 7); these are free, but for PB3,
+//! whose trace output to the ST-LINK is given up. The LED is its green one.
 
 use super::{Board, Button, Clocks, Source};
+use twinrotor::board;
 
 /// This board.
 pub(crate) const BOARD: Board = Board {
-    name: "f407",
-    chip: "stm32f407vg",
+    known: &board::F407,
     probe_chip: "STM32F407VGTx",
     // 168 MHz core, 42 and 84 MHz buses, 84 and 168 MHz timers.
     clocks: Clocks {
@@ -18,8 +20,8 @@ pub(crate) const BOARD: Board = Board {
         apb2_divide: 2,
     },
     dead_time_ns: 500,
-    // 3.3 V behind 100 k and 10 k ohm.
-    supply_channel: 10,
+    // 100 k and 10 k ohm, seen from 3.3 V; the chip at 3.0 V measures up to 33 V of it.
+    supply_channel: 11,
     supply_full_scale: 3.3 * 11.0,
     button: Some(Button { pin: "PA0", pressed_high: true }),
     wiring: WIRING,
@@ -30,13 +32,13 @@ wiring! {
     serial: USART2,
     serial_out_dma: DMA1_CH6 (DMA1_STREAM6), serial_in_dma: DMA1_CH5,
     serial_out: PA2, serial_in: PA3,
-    pitch_a: PA0, pitch_b: PA1,
-    yaw_a: PC6, yaw_b: PC7,
-    main: PA8, main_complement: PB13, main_reverse: PA10,
-    tail: PA9, tail_complement: PB14, tail_reverse: PA11,
-    enable: PC8,
+    pitch_a: PA15, pitch_b: PB3,
+    yaw_a: PB4, yaw_b: PB5,
+    main: PE9, main_complement: PE8, main_reverse: PE13,
+    tail: PE11, tail_complement: PE10, tail_reverse: PE14,
+    enable: PD10,
     emergency_stop: PB12,
-    current_limit: PC3,
-    supply: PC0,
-    led: PA5,
+    current_limit: PD11,
+    supply: PC1,
+    led: PD12,
 }

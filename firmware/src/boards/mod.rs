@@ -5,14 +5,12 @@
 //! which the tests on the host read too; on the target, `wiring!` also hands out the pins by their type, so
 //! that a pin which cannot do what it is named for does not compile.
 
-use twinrotor::drive::{PWM_HZ, full_steps};
+use twinrotor::drive::PWM_HZ;
 
 /// What differs between boards.
 pub(crate) struct Board {
-    /// Its feature's name, and that of its file.
-    pub(crate) name: &'static str,
-    /// The chip, as the board tells it to a host.
-    pub(crate) chip: &'static str,
+    /// As its host knows it: its name is its feature's, and that of its file.
+    pub(crate) known: &'static twinrotor::board::Board,
     /// The chip, as probe-rs knows it. `.cargo/config.toml` says it to probe-rs.
     #[cfg_attr(target_os = "none", expect(dead_code, reason = "a test compares it with .cargo/config.toml"))]
     pub(crate) probe_chip: &'static str,
@@ -63,8 +61,9 @@ impl Board {
     }
 
     /// Compare steps from zero to the full supply.
+    #[cfg(not(all(target_os = "none", feature = "simulated")))]
     pub(crate) const fn full_steps(&self) -> u32 {
-        full_steps(self.clocks.pwm_timer_hz())
+        twinrotor::drive::full_steps(self.clocks.pwm_timer_hz())
     }
 
     /// \[counts\] The dead time, in periods of the PWM's timer (reference manual RM0090, 17.4.18: DTG up to
@@ -131,8 +130,8 @@ impl Clocks {
 pub(crate) enum Source {
     /// A crystal at the chip's two pins.
     #[cfg_attr(
-        all(target_os = "none", feature = "nucleo-f446"),
-        expect(dead_code, reason = "the one board of these without")
+        all(target_os = "none", any(feature = "nucleo-f411", feature = "nucleo-f446")),
+        expect(dead_code, reason = "the boards of these without")
     )]
     Crystal,
     /// A clock that another chip feeds in.
@@ -348,6 +347,8 @@ macro_rules! wiring {
 pub(crate) mod f405;
 #[cfg(any(feature = "f407", not(target_os = "none")))]
 pub(crate) mod f407;
+#[cfg(any(feature = "nucleo-f411", not(target_os = "none")))]
+pub(crate) mod nucleo_f411;
 #[cfg(any(feature = "nucleo-f446", not(target_os = "none")))]
 pub(crate) mod nucleo_f446;
 
@@ -355,5 +356,7 @@ pub(crate) mod nucleo_f446;
 pub(crate) use f405::*;
 #[cfg(all(target_os = "none", feature = "f407"))]
 pub(crate) use f407::*;
+#[cfg(all(target_os = "none", feature = "nucleo-f411"))]
+pub(crate) use nucleo_f411::*;
 #[cfg(all(target_os = "none", feature = "nucleo-f446"))]
 pub(crate) use nucleo_f446::*;

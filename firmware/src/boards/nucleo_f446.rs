@@ -1,11 +1,11 @@
 //! ST Nucleo-F446RE: the ST-LINK feeds its 8 MHz in, and its serial port is at PA2 and PA3.
 
 use super::{Board, Button, Clocks, Source};
+use twinrotor::board;
 
 /// This board.
 pub(crate) const BOARD: Board = Board {
-    name: "nucleo-f446",
-    chip: "stm32f446re",
+    known: &board::NUCLEO_F446,
     probe_chip: "STM32F446RETx",
     // 168 MHz core, 42 and 84 MHz buses, 84 and 168 MHz timers.
     clocks: Clocks {

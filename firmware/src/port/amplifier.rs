@@ -9,7 +9,6 @@ use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::timer::{Ch1, Ch2, Ch3, Ch4};
 use twinrotor::axes::PerMotor;
-use twinrotor::plant::presets;
 
 /// How the amplifiers are driven.
 pub(crate) const AMPLIFIER: Amplifier =
@@ -17,7 +16,7 @@ pub(crate) const AMPLIFIER: Amplifier =
 /// Compare steps from zero to the full supply.
 pub(crate) const FULL_STEPS: u32 = BOARD.full_steps();
 // What the host simulates is what this board does.
-const _: () = assert!(FULL_STEPS == presets::PWM_STEPS);
+const _: () = assert!(FULL_STEPS == BOARD.known.pwm_steps());
 
 /// \[steps\] The most of them. A half bridge with a bootstrap needs 3 % of each period to charge it, 1.5 µs,
 /// its output low. In locked antiphase one of a motor's two half bridges is low for half of what the motor's

@@ -32,11 +32,11 @@ impl PlantPort for SimulatedPort {
     type Rig = SimulatedRig;
 
     fn rig(parameters: &Parameters) -> SimulatedRig {
-        SimulatedRig::of(parameters, BOARD.full_steps())
+        SimulatedRig::of(parameters, *BOARD.known)
     }
 
     fn drive(&self) -> Drive<f32> {
-        Drive::new(BOARD.full_steps())
+        Drive::new(BOARD.known.pwm_steps())
     }
 
     fn counters(&mut self, rig: &SimulatedRig) -> PerAxis<u32> {

@@ -207,7 +207,7 @@ fn runs(peers: &[Peer]) -> Table {
     table
 }
 
-fn table(standings: &[Standing]) -> comfy_table::Table {
+fn table(standings: &[Standing]) -> tables::Table {
     let mut table = tables::table(&["", "median", "IQR", "best", "worst", "to 1 %", "to .1 %", "p"]);
     for s in standings {
         let count = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.0}"));

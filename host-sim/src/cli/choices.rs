@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use twinrotor_sim::flight;
+use twinrotor_tune::robust;
 
 /// Declares choices that mirror those of a library, in its order.
 macro_rules! mirror {
@@ -35,5 +36,15 @@ mirror! {
         F32,
         /// To verify
         F64,
+    }
+}
+
+mirror! {
+    /// What is flown on every plant.
+    Scenes of robust::Scenes {
+        /// The cold step from rest alone
+        Step,
+        /// Beside it the step the other way, a far step, a gust while moving, a sine, hot reversals
+        All,
     }
 }

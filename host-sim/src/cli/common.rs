@@ -8,6 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use twinrotor::axes::PerMotor;
+use twinrotor::board::{self, Board};
 use twinrotor::plant::presets::Rig;
 use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
@@ -24,6 +25,10 @@ pub(super) struct Common {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
     #[arg(long, default_value = "paper")]
     pub preset: String,
+    /// Board that flies it, which decides how fine its PWM is: f405, f407, nucleo-f411 or nucleo-f446; acts
+    /// with --fidelity rig
+    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
+    pub board: Board,
     /// Rotor lag of both motors, in s, instead of the preset's; it acts with --fidelity rig
     #[arg(long, value_name = "S")]
     pub rotor_lag: Option<f64>,
@@ -42,6 +47,7 @@ impl Common {
     /// Reads the rig and sets the threads.
     pub(super) fn resolve(&self) -> Outcome<NamedRig> {
         let mut named = files::rig(&self.preset)?;
+        named.rig.board = self.board;
         if let Some(lag) = self.rotor_lag {
             named.rig.plant.rotor_time_constant = PerMotor::both(at_least("--rotor-lag", lag, 0.0, false)?);
         }
@@ -58,6 +64,12 @@ impl Common {
         outputs.reads("--preset", &self.preset);
         outputs
     }
+}
+
+/// A board's name.
+pub(super) fn board(name: &str) -> Result<Board, String> {
+    let allowed = || board::ALL.map(|board| board.name).join(", ");
+    Board::named(name).ok_or_else(|| format!("allowed: {}", allowed()))
 }
 
 /// How far drawn plants lie apart.

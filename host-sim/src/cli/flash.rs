@@ -1,6 +1,6 @@
 //! `flash`: gains onto a board.
 
-use super::common::tuned_elsewhere;
+use super::common::{board, tuned_elsewhere};
 use super::{print, print_json, tell};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -9,6 +9,7 @@ use crate::line::{self, Board};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use twinrotor::board::Board as Hardware;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::store::AREA_ADDRESS;
 use twinrotor_sim::gains_file::GainsFile;
@@ -23,6 +24,9 @@ pub(super) struct Args {
     /// Rig: a preset's name or a FILE.toml of your own [default: the one the gains were tuned on]
     #[arg(long)]
     preset: Option<String>,
+    /// Board: f405, f407, nucleo-f411 or nucleo-f446
+    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
+    board: Hardware,
     /// The wiring has passed the first-power check on this board before: do not ask for it again
     #[arg(long)]
     checked: bool,
@@ -53,7 +57,8 @@ struct Document {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let gains = files::gains("GAINS", &args.gains)?;
-    let named = files::rig(preset(args, &gains)?)?;
+    let mut named = files::rig(preset(args, &gains)?)?;
+    named.rig.board = args.board;
     let mut parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.checked = args.checked;
     let image = image::image(&parameters)?;
@@ -73,7 +78,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         let bytes = image.len();
         print_json(&Document { preset: named.name, gains, address: AREA_ADDRESS, bytes, done, warning })
     } else {
-        print(&format!("{done}\n"))
+        let first = if args.image.is_some() { "program it, then: " } else { "" };
+        let next = format!("{first}host-sim fly --port auto --preset {}", named.name);
+        print(&format!("{done}\nnext: {next} (docs/firmware.md has the first power-up)\n"))
     }
 }
 

@@ -9,9 +9,11 @@ mod bench_tuners;
 mod choices;
 mod common;
 mod compare;
+mod examples;
 mod flash;
 mod fly;
 mod identify;
+mod manual;
 mod margins;
 mod monitor;
 mod page;
@@ -42,39 +44,59 @@ Begin with:  host-sim tune, host-sim fly
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Print tables as lines with tabs between columns, for other programs
+    #[arg(long, global = true)]
+    plain: bool,
 }
 
 /// In the order in which people need them.
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Breed gains by flower pollination, set them beside the paper's and write them to a file
+    #[command(after_help = examples::TUNE)]
     Tune(tune::Args),
     /// Fly one scenario and report settling, overshoot, error integrals and what the motors were asked for
+    #[command(after_help = examples::SIMULATE)]
     Simulate(simulate::Args),
     /// Fly a board, from connecting to disarmed: a simulated one, one at a serial port, or one over TCP
+    #[command(after_help = examples::FLY)]
     Fly(fly::Args),
     /// A board, real or simulated, to watch, tune and fly in a browser
+    #[command(after_help = examples::MONITOR)]
     Monitor(monitor::Args),
     /// The simulated board and the tuner as one file to open in a browser
+    #[command(after_help = examples::PAGE)]
     Page(page::Args),
     /// Put gains on a board: by an image, a debug probe or the serial link
+    #[command(after_help = examples::FLASH)]
     Flash(flash::Args),
     /// A rig's constants, with intervals, from logs of its own runs
+    #[command(after_help = examples::IDENTIFY)]
     Identify(identify::Args),
     /// A log through the firmware's own estimator and law
+    #[command(after_help = examples::REPLAY)]
     Replay(replay::Args),
     /// Controllers side by side on hundreds of plants that none was tuned on
+    #[command(after_help = examples::COMPARE)]
     Compare(compare::Args),
     /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
+    #[command(after_help = examples::PARETO)]
     Pareto(pareto::Args),
     /// Thrust, lag, inertia and delay that a controller stands, and the slowest pole of its loop
+    #[command(after_help = examples::MARGINS)]
     Margins(margins::Args),
     /// The paper's tables, figures and claims beside ours, as a report to open in a browser
+    #[command(after_help = examples::REPRODUCE)]
     Reproduce(reproduce::Args),
     /// Methods of search side by side on one problem: medians, spread, rank tests, convergence
+    #[command(after_help = examples::BENCH_TUNERS)]
     BenchTuners(bench_tuners::Args),
     /// How fast this machine is: closed-loop steps a second on one core
+    #[command(after_help = examples::BENCH)]
     Bench(bench::Args),
+    /// Manual pages, and completions for shells
+    #[command(after_help = examples::MANUAL)]
+    Manual(manual::Args),
 }
 
 /// Runs what was typed.
@@ -84,6 +106,7 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
+    tables::choose(cli.plain);
     let outcome = match cli.command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
@@ -99,6 +122,7 @@ pub fn main() -> ExitCode {
         Command::Fly(args) => fly::run(&args),
         Command::Monitor(args) => monitor::run(&args),
         Command::Page(args) => page::run(&args),
+        Command::Manual(args) => manual::run(&args, Cli::command()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

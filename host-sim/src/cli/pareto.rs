@@ -1,7 +1,7 @@
 //! `pareto`: no single best, but the choice there is.
 
 use super::common::{Common, Spreads, bar, within};
-use super::{print, print_json, tables};
+use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files;
@@ -36,6 +36,9 @@ pub(super) struct Args {
     plants: usize,
     #[command(flatten)]
     spreads: Spreads,
+    /// What is flown on each plant; a controller that fails in any flight loses to all that do not
+    #[arg(long, default_value = "step")]
+    scenes: choices::Scenes,
     /// Points of the front, at most
     #[arg(long, value_name = "N", default_value_t = 40)]
     population: usize,
@@ -88,7 +91,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let tunable = Tunable::new(&start, &[])?;
     let allowance = robust::allowance(&named.name, &named.rig);
     let scatter = args.spreads.scatter()?;
-    let trial = Trial::within(&named.rig, args.plants, args.common.seed, allowance, &scatter);
+    let trial = Trial::within(&named.rig, args.plants, args.common.seed, allowance, &scatter)
+        .flying(args.scenes.into());
     let reach = args.range.ln();
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     output::check_folder("--out", &args.out)?;

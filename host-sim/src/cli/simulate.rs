@@ -18,7 +18,7 @@ use twinrotor::static_reach::StaticReach;
 use twinrotor_plot::flight::flight as flight_figure;
 use twinrotor_plot::moving::moving;
 use twinrotor_sim::error::at_least;
-use twinrotor_sim::flight::{self, BoardState, Extent, Fidelity, Moment, Plan, Scalar};
+use twinrotor_sim::flight::{self, BoardState, COLUMNS, Extent, Fidelity, LOG_COLUMNS, Moment, Plan, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Report;
 use twinrotor_sim::scenario::{Disturbance, Scenario};
@@ -71,9 +71,13 @@ pub(super) struct Args {
     /// From when to when the disturbance acts, in s
     #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true)]
     window: Option<String>,
-    /// Write every tick to a CSV file, SI units
+    /// Write the true state of every tick to a CSV file, SI units
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write what a rig would have logged, for 'identify' and 'replay': angles by whole counts, volts as
+    /// sent (.csv, or a format of --export)
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
     /// Write every tick, SI units, for other tools: .parquet, .mcap (PlotJuggler, Foxglove, Rerun), .npz or
     /// .csv
     #[arg(long, value_name = "FILE")]
@@ -143,10 +147,13 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let flown = flight::fly(&plan, args.scalar.into())?;
 
     if let Some(path) = &args.csv {
-        outputs.write(path, Table::of_flight(&flown.rows).to_csv().as_bytes());
+        outputs.write(path, Table::of_flight(&flown.rows, &COLUMNS).to_csv().as_bytes());
+    }
+    if let Some(path) = &args.log {
+        outputs.write(path, &Table::of_flight(&flown.rows, &LOG_COLUMNS).bytes(path)?);
     }
     if let Some(path) = &args.export {
-        outputs.write(path, &Table::of_flight(&flown.rows).bytes(path)?);
+        outputs.write(path, &Table::of_flight(&flown.rows, &COLUMNS).bytes(path)?);
     }
     let flown_on = args.true_rig.as_ref().map_or_else(String::new, |rig| format!("{rig} taken for "));
     let title = format!("{flown_on}{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
@@ -196,6 +203,14 @@ fn outputs(args: &Args) -> Outcome<Outputs> {
     outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
     if let Some(path) = &args.csv {
         outputs.writes("--csv", path)?;
+    }
+    if let Some(path) = &args.log {
+        if args.fidelity == choices::Fidelity::Ideal {
+            let why = "the paper's world has no encoders, --fidelity rig has them";
+            return Err(no_effect("--log", "with --fidelity ideal", why));
+        }
+        export::check("--log", path, true)?;
+        outputs.writes("--log", path)?;
     }
     if let Some(path) = &args.export {
         export::check("--export", path, true)?;

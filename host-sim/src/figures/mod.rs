@@ -106,19 +106,25 @@ pub fn over_time(title: &str, y_label: &str, rows: &[Row], curves: &[(&str, Read
     Figure { title: title.to_owned(), x_label: String::new(), panels: vec![panel] }
 }
 
-/// Pitch and yaw of many flights of one scenario.
+/// Pitch and yaw of many flights of one scenario: the median, and the band that holds nine tenths of them.
 pub fn fan(title: &str, flights: &[&Flight]) -> Figure {
     /// Of every so many ticks one is drawn.
     const THIN: usize = 10;
+    let ticks = flights.iter().map(|f| f.rows.len()).min().unwrap_or(0);
     let panel = |y_label: &str, colour: usize, angle: fn(&Row) -> f64, reference: fn(&Row) -> f64| {
-        let mut lines = Vec::new();
-        for (k, flight) in flights.iter().enumerate() {
-            let rows: Vec<Row> = flight.rows.iter().copied().step_by(THIN).collect();
-            let name = if k == 0 { "one plant each" } else { "" };
-            lines.push(Line { stroke: Stroke::Thin, ..line(name, colour, &rows, angle) });
+        let (mut middle, mut points) = (Vec::new(), Vec::new());
+        for tick in (0..ticks).step_by(THIN) {
+            let there: Vec<f64> = flights.iter().map(|f| angle(&f.rows[tick])).collect();
+            let [low, median, high] = [0.05, 0.5, 0.95].map(|part| quantile(&there, part));
+            let time = flights[0].rows[tick].time;
+            middle.push((time, median));
+            points.push((time, low, high));
         }
+        let median = Line { name: "median".to_owned(), points: middle, colour, stroke: Stroke::Solid };
+        let mut lines = vec![median];
         lines.extend(flights.first().map(|f| dashed(line("reference", 6, &f.rows, reference))));
-        Panel { y_label: y_label.to_owned(), lines, ..Panel::default() }
+        let bands = vec![Band { points, colour }];
+        Panel { y_label: y_label.to_owned(), lines, bands, ..Panel::default() }
     };
     Figure {
         title: title.to_owned(),
@@ -135,13 +141,14 @@ pub fn fan(title: &str, flights: &[&Flight]) -> Figure {
 pub fn front(title: &str, front: &[Compromise], chosen: usize) -> Figure {
     let panel = |y_label: &str, objective: usize| {
         let point = |p: &Compromise| (p.costs[2], p.costs[objective]);
+        let labels = (1..).zip(front).map(|(k, p)| (point(p).0, point(p).1, format!("{k:02}"))).collect();
         let line =
             |name: &str, points, colour, stroke| Line { name: name.to_owned(), points, colour, stroke };
         let lines = vec![
             line("one controller each", front.iter().map(point).collect(), 0, Stroke::Dots),
             line("chosen", front.get(chosen).map(point).into_iter().collect(), 1, Stroke::Rings),
         ];
-        Panel { y_label: y_label.to_owned(), lines, ..Panel::default() }
+        Panel { y_label: y_label.to_owned(), lines, labels, ..Panel::default() }
     };
     Figure {
         title: title.to_owned(),

@@ -73,6 +73,15 @@ pub fn scenario(name: &str) -> Outcome<Scenario> {
     Ok(Scenario::load(name, &text)?)
 }
 
+/// The same for a board, which may simulate its rig and have something injected.
+///
+/// # Errors
+///
+/// If there is none of that name, or the file is not one of a scenario.
+pub fn scenario_to_inject(name: &str) -> Outcome<Scenario> {
+    Ok(Scenario::load_to_inject(name, &text)?)
+}
+
 /// `paper`, or gains from a file; `flag` is what named it.
 ///
 /// # Errors

@@ -3,11 +3,12 @@
 use super::Line;
 use std::io;
 use std::time::{Duration, Instant};
+use twinrotor::board::Board;
 use twinrotor::parameters::Parameters;
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError};
-use twinrotor::plant::presets::{PWM_STEPS, Rig};
+use twinrotor::plant::presets::Rig;
 use twinrotor::rig_port::RigPort;
 use twinrotor::telemetry::Frame;
 use twinrotor_sim::scenario::{Befallen, Scenario};
@@ -27,18 +28,18 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// A board that was given `parameters` before and computes the rig of which they speak, in its rest pose.
-    /// Its wiring has been checked.
+    /// A board of that kind that was given `parameters` before and computes the rig of which they speak, in
+    /// its rest pose. Its wiring has been checked.
     ///
     /// # Errors
     ///
     /// If they have no room in a board's flash.
-    pub fn new(parameters: &Parameters, real_time: bool) -> Result<Self, ParameterError> {
+    pub fn new(board: Board, parameters: &Parameters, real_time: bool) -> Result<Self, ParameterError> {
         let parameters = Parameters { checked: true, port: RigPort::Simulated, ..*parameters };
         let mut store = Store::new(RamFlash::default(), 0);
         parameters::save(&mut store, &parameters, &mut [0; SLOT_SIZE])?;
-        let board = SimulatedBoard::alone(parameters, store.into_flash());
-        let (rig, begun) = (parameters.rig(PWM_STEPS), real_time.then(Instant::now));
+        let (rig, begun) = (parameters.rig(board), real_time.then(Instant::now));
+        let board = SimulatedBoard::alone(board, parameters, store.into_flash());
         Ok(Self { board, ticks: 0, rig, scenario: None, befallen: None, begun })
     }
 

@@ -193,7 +193,7 @@ impl Report {
         vec![
             format!(
                 "Of {checked} statements that can be checked, {reproduced} come out, {ambiguous} do under \
-                 one reading of what the paper leaves open, {not} do not, and {undecided} stay undecided."
+                 one reading of what the paper leaves open, {not} do not; undecided: {undecided}."
             ),
             format!(
                 "Table 4's gains are not what the paper's algorithm finds with the paper's model, objective \

@@ -379,7 +379,7 @@ pub(super) fn fan(size: Size, seed: u64) -> Outcome<Section> {
         measured: None,
         pictures: vec![picture(
             "fan",
-            "The step on every plant.",
+            "The step: the median of all plants, and the band that holds nine tenths of them.",
             figures::fan("The step on many plants, in the rig's world", &flown),
         )],
     })

@@ -3,15 +3,50 @@
 use super::{host_sim, json};
 use serde_json::Value;
 
+/// `simulate --log` writes what encoders show, whole counts beside the true angle, in names that `identify`
+/// and `replay` read; where there are no encoders there is no log.
+#[test]
+fn a_log_is_what_a_rig_would_tell() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = ["--preset", "aero-lab", "--fidelity", "rig", "--duration", "2", "--scenario", "2"];
+    let files = ["--log", "log.csv", "--csv", "truth.csv"];
+    assert!(host_sim(folder.path(), &[&["simulate"][..], &rig, &files].concat()).status.success());
+    let read = |name: &str| -> Vec<Vec<f64>> {
+        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect()
+    };
+    let (log, truth) = (read("log.csv"), read("truth.csv"));
+    assert_eq!((log.len(), truth.len()), (2001, 2001));
+    let counts = twinrotor::plant::presets::AERO_LAB.encoder_counts;
+    let mut moved = 0;
+    for (row, true_row) in log.iter().zip(&truth) {
+        // Columns: t, pitch, yaw, v0, v1; t, theta, theta_dot, psi, psi_dot, ..., v_main, v_tail.
+        for (shown, angle, a_turn) in [(row[1], true_row[1], counts.pitch), (row[2], true_row[3], counts.yaw)]
+        {
+            let count = std::f64::consts::TAU / f64::from(a_turn);
+            let whole = shown / count;
+            assert!((whole - whole.round()).abs() < 1e-3, "{whole} counts");
+            assert!((shown - angle).abs() < 1.01 * count, "{shown} shown at {angle}");
+            moved += i32::from((shown - angle).abs() > 0.01 * count);
+        }
+        assert_eq!((row[3], row[4]), (true_row[7], true_row[8]), "the amplifiers give what is sent");
+    }
+    assert!(moved > 3_000, "{moved} angles that are off by a hundredth of a count");
+    let replay = ["replay", "log.csv", "--preset", "aero-lab", "--scenario", "2", "--json"];
+    assert!(host_sim(folder.path(), &replay).status.success());
+    let ideal = host_sim(folder.path(), &["simulate", "--log", "no.csv"]);
+    assert_eq!(ideal.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&ideal.stderr).contains("--log has no effect with --fidelity ideal"));
+    assert!(!folder.path().join("no.csv").exists());
+}
+
 /// A flight recorded by `simulate` goes through `identify` and `replay`, and the preset that comes out flies.
 #[test]
 fn a_recorded_flight_leads_to_a_preset() {
     let folder = tempfile::tempdir().unwrap();
-    let columns = "pitch=theta,yaw=psi,v0=v_main,v1=v_tail";
-    let rig = ["--preset", "aero-lab", "--fidelity", "rig", "--csv", "run.csv"];
+    let rig = ["--preset", "aero-lab", "--fidelity", "rig", "--log", "run.csv"];
     assert!(host_sim(folder.path(), &[&["simulate"][..], &rig].concat()).status.success());
-    let few =
-        ["identify", "run.csv", "--columns", columns, "--preset", "aero-lab", "--json", "--window", "1.5"];
+    let few = ["identify", "run.csv", "--preset", "aero-lab", "--json", "--window", "1.5"];
     let fix = [
         "--fix",
         "effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction",
@@ -26,21 +61,10 @@ fn a_recorded_flight_leads_to_a_preset() {
     assert_eq!(flown["preset"], "preset.toml");
     let replayed = json(
         folder.path(),
-        &[
-            "replay",
-            "run.csv",
-            "--columns",
-            columns,
-            "--preset",
-            "preset.toml",
-            "--scenario",
-            "step",
-            "--json",
-        ],
+        &["replay", "run.csv", "--preset", "preset.toml", "--scenario", "step", "--json"],
     );
     assert!(replayed["rate_error"]["pitch"].is_number() && replayed["volts_difference"]["main"].is_number());
-    let nowhere =
-        ["replay", "run.csv", "--columns", columns, "--preset", "preset.toml", "--port", "no-such-port"];
+    let nowhere = ["replay", "run.csv", "--preset", "preset.toml", "--port", "no-such-port"];
     let refused = host_sim(folder.path(), &nowhere);
     assert_eq!(refused.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--port no-such-port cannot be opened"));
@@ -57,15 +81,15 @@ fn a_suggested_flight_narrows_what_was_known_worst() {
         assert!(flown.status.success(), "{}", String::from_utf8_lossy(&flown.stderr));
     };
     let identify = |logs: &[&str], more: &[&str]| {
-        let few = ["--columns", "pitch=theta,yaw=psi,v0=v_main,v1=v_tail", "--preset", "aero-lab", "--json"];
+        let few = ["--preset", "aero-lab", "--json"];
         let fix = ["--fix", "effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction"];
         let quick = ["--window", "1.5", "--iterations", "0", "--population", "2"];
         json(folder.path(), &[&["identify"], logs, &few, &fix, &quick, more].concat())
     };
-    fly(&["--csv", "run.csv"]);
+    fly(&["--log", "run.csv"]);
     let before = identify(&["run.csv"], &["--suggest", "next.toml"]);
     let constant = before["suggestion"].as_str().unwrap().split(':').next().unwrap().to_owned();
-    fly(&["--scenario", "next.toml", "--csv", "next.csv"]);
+    fly(&["--scenario", "next.toml", "--log", "next.csv"]);
     let after = identify(&["run.csv", "next.csv"], &[]);
     let width = |found: &Value| {
         let all = found["parameters"].as_array().unwrap();

@@ -89,7 +89,7 @@ fn any_method_tunes_and_a_killed_robust_search_resumes_to_the_same_bytes() {
             "{algorithm}"
         );
     }
-    let robust = ["tune", "--objective", "robust", "--plants", "4", "--population", "8"];
+    let robust = ["tune", "--objective", "robust", "--scenes", "step", "--plants", "4", "--population", "8"];
     let run = |extra: &[&str]| {
         let args = [&robust[..], &["--iterations", "4", "--rounds", "2", "--seed", "3"], extra].concat();
         host_sim(folder.path(), &args).status.code()

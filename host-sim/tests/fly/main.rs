@@ -1,7 +1,11 @@
 //! `fly` as people use it: the same flight at a simulated board, over TCP and at a pseudo-terminal, and what
 //! comes of bad luck: a sentence, an exit status, and never a motor left turning.
 
+#[cfg(feature = "formats")]
+mod records;
 mod served;
+#[cfg(target_os = "linux")]
+mod terminal;
 
 use serde_json::Value;
 use served::{Mishap, Served};
@@ -88,6 +92,7 @@ fn bad_luck_is_told_and_leaves_no_motor_turning() {
         (Mishap::Echo, 1, "hands back what is sent to it"),
         (Mishap::Old, 1, "update the board's firmware"),
         (Mishap::Flood, 1, "that are no messages"),
+        (Mishap::Drown, 1, "has fallen silent; Disarm was sent again and again, and the board was NOT seen"),
         (Mishap::Mute, 1, "has fallen silent; Disarm was sent again and again, and the board was NOT seen"),
         (Mishap::Cut, 1, "was NOT seen to switch its motors off"),
         (Mishap::Reset, 3, "the board was reset"),
@@ -153,6 +158,32 @@ mod unix {
         assert!(told(&output).contains("full.csv: cannot be written"), "{}", told(&output));
         assert!(String::from_utf8_lossy(&output.stdout).contains("flown less simulated"), "all else is told");
         assert!(!board.turns());
+    }
+
+    /// The first program has the port; the second one is told so, and the flight goes on.
+    #[test]
+    fn a_port_that_another_program_has_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let long = "duration = 20.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = []\n";
+        fs::write(folder.path().join("long.toml"), long).unwrap();
+        let board = Served::at_a_terminal();
+        let mut first = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+            .args(["fly", "--port", &board.port, "--yes", "--scenario", "long.toml"])
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(first.stdout.take().unwrap());
+        let mut shown = String::new();
+        while !shown.contains("flying") {
+            assert!(lines.read_line(&mut shown).unwrap() > 0, "{shown}");
+        }
+        let second = fly(folder.path(), &["--port", &board.port, "--yes"]);
+        assert_eq!(second.status.code(), Some(1), "{}", told(&second));
+        assert!(told(&second).contains("cannot be opened"), "{}", told(&second));
+        lines.read_to_string(&mut shown).unwrap();
+        assert!(first.wait().unwrap().success(), "{shown}");
+        assert!(shown.contains("flown less simulated") && !board.turns(), "{shown}");
     }
 
     /// Twice, so that the second one does not skip the disarming.
@@ -230,6 +261,56 @@ fn gains_are_tried_in_flight_shown_side_by_side_and_kept_if_that_is_wanted() {
     let text = String::from_utf8_lossy(&text);
     assert!(text.contains("reverted") && text.contains("accepted      tried"), "{text}");
     assert!(!text.contains("saved"));
+}
+
+/// What a scenario's file injects is what `--inject` does, to the tick; nobody else takes such a file.
+#[test]
+fn a_scenario_injects_what_the_flag_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let calm = "duration = 5.0\n[pitch.steps]\njumps = [[0.5, 8], [2.5, -8]]\n[yaw.steps]\njumps = []\n";
+    fs::write(folder.path().join("calm.toml"), calm).unwrap();
+    fs::write(folder.path().join("stuck.toml"), format!("inject = [\"stuck-pitch@2\"]\n{calm}")).unwrap();
+    let by_file = fly(folder.path(), &["--scenario", "stuck.toml", "--json"]);
+    let by_flag = fly(folder.path(), &["--scenario", "calm.toml", "--inject", "stuck-pitch@2", "--json"]);
+    for output in [&by_file, &by_flag] {
+        assert_eq!(output.status.code(), Some(3), "{}", told(output));
+        assert!(told(output).contains("the pitch encoder does not show the motion"), "{}", told(output));
+    }
+    let (by_file, by_flag) = (json(&by_file), json(&by_flag));
+    for field in ["frames", "verified_ticks", "flown", "why"] {
+        assert_eq!(by_file[field], by_flag[field], "{field}");
+    }
+    assert!(by_file["verified_ticks"].as_u64().unwrap() > 3_000, "{by_file}");
+    for (text, sentence) in [
+        ("[\"stuck-roll@2\"]", "allowed: stuck-AXIS"),
+        ("[\"stop@5\"]", "inject is 5; allowed: before the scenario's end at 5 s"),
+    ] {
+        fs::write(folder.path().join("bad.toml"), format!("inject = {text}\n{calm}")).unwrap();
+        let output = fly(folder.path(), &["--scenario", "bad.toml"]);
+        assert!(output.status.code() == Some(2) && told(&output).contains(sentence), "{}", told(&output));
+    }
+    let simulate = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["simulate", "--scenario", "stuck.toml", "--fidelity", "rig"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(simulate.status.code() == Some(2) && told(&simulate).contains("no board flies here"));
+}
+
+/// A board of 100 MHz has fewer steps of the PWM: another flight, and the host's own all the same.
+#[test]
+fn each_board_flies_with_its_own_pwm() {
+    let folder = tempfile::tempdir().unwrap();
+    let fly_at = |board: &str| json(&fly(folder.path(), &["--board", board, "--json"]));
+    let (f405, f446, f411) = (fly_at("f405"), fly_at("nucleo-f446"), fly_at("nucleo-f411"));
+    assert!([&f405, &f446, &f411].iter().all(|f| f["verified_ticks"].as_u64().unwrap() > 6_000));
+    assert_eq!(f405["flown"], f446["flown"]);
+    assert_ne!(f405["flown"], f411["flown"]);
+    assert_ne!(f405["simulated"], f411["simulated"]);
+    let refused = fly(folder.path(), &["--board", "f103"]);
+    assert!(
+        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, nucleo-f411, nucleo-f446")
+    );
 }
 
 /// The simulated board's rig is pushed while the scenario runs, a real one never.

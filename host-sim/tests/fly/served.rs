@@ -44,6 +44,8 @@ pub(crate) enum Mishap {
     Reset,
     /// From the start noise, as much as a line of a megabaud carries.
     Flood,
+    /// The same from some time in flight on.
+    Drown,
     /// Every seventh millisecond half of what the board says is lost.
     Halves,
 }
@@ -199,6 +201,7 @@ fn serve<W: Write, C: FnOnce()>(
                 }
                 Mishap::Reset if now => board = board.reset(),
                 Mishap::Flood => said = vec![0x55; 100],
+                Mishap::Drown if happened => said = vec![0x55; 100],
                 Mishap::Halves if board.frame().tick.is_multiple_of(7) => said.truncate(said.len() / 2),
                 _ => {}
             }

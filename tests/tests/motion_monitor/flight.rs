@@ -43,7 +43,7 @@ impl Flight {
             &parameters,
             CounterWidth::Bits16,
             bench.counters(),
-            Drive::new(rig.pwm_steps),
+            Drive::new(rig.board.pwm_steps()),
             None,
         );
         let mut flight = Self { bench, control };

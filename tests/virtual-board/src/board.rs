@@ -11,7 +11,7 @@ use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
 use crate::chip::timer::{Drive, Side, Timer};
-use crate::chip::{INTERRUPT_LINES, Settings, Stm32f405};
+use crate::chip::{INTERRUPT_LINES, Part, Settings, Stm32f405};
 use crate::serial::Line;
 use crate::warm_core::WarmCore;
 use crate::wiring::{self, Amplifiers, Encoder, Leg, Wire};
@@ -31,11 +31,13 @@ pub struct Inputs {
     pub emergency_stop: bool,
     /// The amplifiers report a fault or their current limit.
     pub amplifier_fault: bool,
+    /// The user button of a Nucleo board is pressed.
+    pub button: bool,
 }
 
 impl Default for Inputs {
     fn default() -> Self {
-        Self { counts: [0; 2], supply: 24.0, emergency_stop: false, amplifier_fault: false }
+        Self { counts: [0; 2], supply: 24.0, emergency_stop: false, amplifier_fault: false, button: false }
     }
 }
 
@@ -164,13 +166,17 @@ impl Board {
     /// Takes the inputs to the pins, and from pins in the right function to what they reach. A pin in
     /// another function is a wire to nowhere.
     fn connect(&mut self, at: VirtualNanos) {
-        let Inputs { counts, supply, emergency_stop, amplifier_fault } = self.inputs;
+        let Inputs { counts, supply, emergency_stop, amplifier_fault, button } = self.inputs;
         let stop = wiring::EMERGENCY_STOP;
         let stop_level = Level::from(emergency_stop);
         self.chip.drive_pin(at, stop.port, stop.pin, Some(stop_level));
         let fault = wiring::AMPLIFIER_FAULT;
         let fault_level = Level::from(!amplifier_fault);
         self.chip.drive_pin(at, fault.port, fault.pin, Some(fault_level));
+        if self.chip.part() == Part::F446 {
+            let Wire { port, pin, .. } = wiring::NUCLEO_BUTTON;
+            self.chip.drive_pin(at, port, pin, Some(Level::from(!button)));
+        }
         let break_level = self.connected(stop).then_some(stop_level);
         self.chip.timer(at, wiring::PWM_TIMER, |timer, registers, context| {
             timer.set_break_input(break_level, registers, context);

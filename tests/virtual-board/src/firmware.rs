@@ -7,6 +7,9 @@ use std::sync::Arc;
 
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::image::Image;
+use twinrotor::board::NUCLEO_F446;
+
+use crate::chip::Part;
 
 /// A firmware image with its symbols.
 #[derive(Debug, Clone)]
@@ -115,6 +118,21 @@ impl Firmware {
     /// As [`Firmware::read`].
     pub fn simulated() -> Result<Self, Error> {
         Self::read(&built("f405-sim/"))
+    }
+
+    /// The same for the Nucleo-F446RE: where `cargo fw-nucleo-f446-sim` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn simulated_nucleo_f446() -> Result<Self, Error> {
+        Self::read(&built("nucleo-f446-sim/"))
+    }
+
+    /// The part for which it was built: its file has the name of the chip that it tells to its host.
+    pub fn part(&self) -> Part {
+        let told = NUCLEO_F446.chip.as_bytes();
+        if self.bytes.windows(told.len()).any(|bytes| bytes == told) { Part::F446 } else { Part::F405 }
     }
 
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {

@@ -34,7 +34,7 @@ impl Helicopter {
             bench: Bench::at_rest(rig, SAMPLE_TIME),
             sound_supply: supply,
             inputs: Inputs::default(),
-            full_steps: f32::from_i32(rig.pwm_steps.cast_signed()),
+            full_steps: f32::from_i32(rig.board.pwm_steps().cast_signed()),
         };
         helicopter.bench.hold();
         helicopter.set_supply(supply);

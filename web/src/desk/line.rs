@@ -5,7 +5,7 @@ use super::{Choice, Desk};
 use std::time::Duration;
 use twinrotor::link::{BAUD, Identity, ToBoard, ticks_per_frame};
 use twinrotor::parameters::Parameters;
-use twinrotor::plant::presets::{AERO2, PWM_STEPS};
+use twinrotor::plant::presets::AERO2;
 use twinrotor::real::Real;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor_sim::{Error, Outcome};
@@ -170,7 +170,7 @@ impl Desk {
                 self.tuning = Tuning::new("the board's", kept.settings.controller.map(f64::from));
                 self.number += 1;
             }
-            self.rig = kept.rig(PWM_STEPS);
+            self.rig = kept.rig(self.rig.board);
         }
         self.parameters = kept;
     }

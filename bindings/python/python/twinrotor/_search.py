@@ -90,7 +90,7 @@ def tune_robust(
     iterations: int = 30,
     progress: Progress | None = None,
 ) -> Tuned:
-    """Any parameter of any controller on many plants: ``host-sim tune --objective robust``.
+    """Any parameter of any controller on many plants: ``host-sim tune --objective robust --scenes step``.
 
     :param controller: whose design to start from, unless ``start`` is given.
     :param parameters: names of :func:`settings`; all if none is given.

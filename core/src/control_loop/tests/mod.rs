@@ -163,7 +163,7 @@ fn a_wrong_low_supply_gives_no_motor_more_than_its_share() {
     for wrong in [0.0, 0.5, 3.0, 12.0, 19.1, 19.3, 23.0, f32::NAN, f32::INFINITY, -24.0] {
         let mut flight = Flight::armed(&presets::AERO2);
         flight.run(3_000, setpoint(10.0 * DEGREE, 0.0));
-        let drive = Drive::<f32>::new(presets::AERO2.pwm_steps);
+        let drive = Drive::<f32>::new(presets::AERO2.board.pwm_steps());
         flight.supply = Some(wrong);
         for _ in 0..9 {
             let outputs = flight.tick(None);

@@ -5,7 +5,7 @@ mod warm;
 
 pub use extent::Extent;
 
-use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
+use crate::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, Logged, RigLoop, Tick};
 use crate::error::{Error, Outcome};
 use crate::metrics::{Metrics, Report};
 use crate::scenario::{Now, SAMPLE_TIME, Scenario};
@@ -75,6 +75,8 @@ pub struct Row {
     pub disturbance: PerMotor<f64>,
     /// \[N m\] What turned the body from outside.
     pub load: PerAxis<f64>,
+    /// What a logger on the rig would have written.
+    pub logged: Logged<f64>,
 }
 
 /// What is read off a row.
@@ -93,6 +95,18 @@ pub const COLUMNS: [(&str, Reading); 11] = [
     ("v_tail", |r| r.volts.tail),
     ("dist_main", |r| r.disturbance.main),
     ("dist_tail", |r| r.disturbance.tail),
+];
+
+/// A flight as a logger on the rig would have written it, SI units: the columns that identification and
+/// replay read.
+pub const LOG_COLUMNS: [(&str, Reading); 7] = [
+    ("t", |r| (r.time * 1e6).round() / 1e6),
+    ("pitch", |r| r.logged.angle.pitch),
+    ("yaw", |r| r.logged.angle.yaw),
+    ("v0", |r| r.logged.volts.main),
+    ("v1", |r| r.logged.volts.tail),
+    ("ref_pitch", |r| r.reference.pitch),
+    ("ref_yaw", |r| r.reference.yaw),
 ];
 
 /// A flight.
@@ -265,6 +279,7 @@ fn row<R: Real + Into<f64>>(tick: u32, happened: &Tick<R>, now: &Now) -> Row {
         volts: motor(happened.applied),
         disturbance: motor(now.volts.cast::<R>()),
         load: now.torque,
+        logged: Logged { angle: axis(happened.logged.angle), volts: motor(happened.logged.volts) },
     }
 }
 

@@ -4,11 +4,13 @@ mod befalls;
 mod conditions;
 mod course;
 mod events;
+mod inject;
 mod ranges;
 
 pub use befalls::{Befallen, Befalls, Change, Lowered, Now};
 pub use conditions::{Hardware, Start};
 pub use events::{Events, Push, Sag, Sine, Thrust, Weight};
+pub use inject::Inject;
 
 use crate::error::{Error, Outcome, at_least, known_name};
 use crate::metrics::Step;
@@ -51,6 +53,8 @@ pub struct Scenario {
     pub start: Start,
     /// How good the rig's hardware is.
     pub hardware: Hardware,
+    /// What befalls a rig that a board simulates: none but such a board can fly it.
+    pub inject: Vec<Inject>,
 }
 
 /// Random volts added to what acts on each motor: uniform within ±volts, a new value every `hold`.
@@ -69,12 +73,27 @@ pub struct Disturbance {
 const SCENARIO_3: Disturbance = Disturbance { volts: 2.0, hold: 0.1, window: [0.0, 20.0] };
 
 impl Scenario {
-    /// One of the paper's by name, or from the text of that name (anything that ends in `.toml`).
+    /// One of the paper's by name, or from the text of that name (anything that ends in `.toml`), for whoever
+    /// cannot have anything injected.
+    ///
+    /// # Errors
+    ///
+    /// If there is none, or the text is not one of a scenario that can be flown, or it injects something.
+    pub fn load(name: &str, read: Read<'_>) -> Outcome<Self> {
+        let scenario = Self::load_to_inject(name, read)?;
+        if !scenario.inject.is_empty() {
+            let why = "inject befalls a rig that a board simulates, and no board flies here";
+            return Err(Error::Unusable(why.to_owned()).within(name));
+        }
+        Ok(scenario)
+    }
+
+    /// The same for a board that simulates its rig, which may have something injected.
     ///
     /// # Errors
     ///
     /// If there is none, or the text is not one of a scenario that can be flown.
-    pub fn load(name: &str, read: Read<'_>) -> Outcome<Self> {
+    pub fn load_to_inject(name: &str, read: Read<'_>) -> Outcome<Self> {
         if is_text(name) {
             return Self::parse(name, &read(name)?);
         }
@@ -104,6 +123,7 @@ impl Scenario {
             events: Events::default(),
             start: Start::default(),
             hardware: Hardware::default(),
+            inject: Vec::new(),
         })
     }
 
@@ -125,6 +145,7 @@ impl Scenario {
             events: file.events,
             start: file.start,
             hardware: file.hardware,
+            inject: file.inject,
         };
         scenario.validate().map_err(in_file)?;
         Ok(scenario)
@@ -147,6 +168,10 @@ impl Scenario {
         self.events.validate()?;
         self.start.validate()?;
         self.hardware.validate()?;
+        if let Some(late) = self.inject.iter().find(|inject| inject.seconds >= self.duration) {
+            let allowed = format_args!("before the scenario's end at {} s", self.duration);
+            return Err(Error::invalid("inject", late.seconds, allowed));
+        }
         let Some(d) = self.disturbance else { return Ok(()) };
         at_least("disturbance", d.volts, 0.0, false)?;
         at_least("hold", d.hold, 0.0, true)?;
@@ -244,6 +269,8 @@ struct File {
     start: Start,
     #[serde(default)]
     hardware: Hardware,
+    #[serde(default)]
+    inject: Vec<Inject>,
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::words;
 use std::time::Duration;
 use twinrotor::axes::PerAxis;
 use twinrotor::bench::Injection;
+use twinrotor::board::Board;
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::first_power::{REST_TICKS, SETTLE_TICKS, Verdict};
 use twinrotor::link::{self, Identity, Refusal, ToBoard};
@@ -83,6 +84,18 @@ impl Session {
         };
         if let Some(told) = provenance {
             self.step("flash", told);
+        }
+        let expected = self.plan.board;
+        if let Some(board) = Board::with_chip(&identity.chip)
+            && board.pwm_steps() != expected.pwm_steps()
+        {
+            return self.trouble(format!(
+                "the board is a {}, and a {} is expected: {} and {} steps of the PWM",
+                board.name,
+                expected.name,
+                board.pwm_steps(),
+                expected.pwm_steps()
+            ));
         }
         // What the wiring's check found at another kind of rig counts for nothing here.
         self.plan.parameters = self.plan.parameters.at_port(identity.port);

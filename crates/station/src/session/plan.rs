@@ -2,6 +2,7 @@
 
 use crate::differences::Difference;
 use twinrotor::bench::Injection;
+use twinrotor::board::Board;
 use twinrotor::link::Health;
 use twinrotor::parameters::Parameters;
 use twinrotor::reference::Reference;
@@ -11,6 +12,8 @@ use twinrotor::trial::Attempt;
 /// What is to be done with a board.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
+    /// The kind of board that is expected: one whose PWM is of other steps is refused.
+    pub board: Board,
     /// What it should fly with.
     pub parameters: Parameters,
     /// What is done about a board that has other ones.

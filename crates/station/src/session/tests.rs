@@ -29,6 +29,7 @@ fn plan(rig: &Rig) -> Plan {
     let to = |angle, ticks| vec![Reference::at_rest(angle); ticks];
     let leg = [to(PerAxis::new(0.15, 0.3), 4_000), to(PerAxis::new(0.0, 0.1), 1_500)].concat();
     Plan {
+        board: rig.board,
         parameters: record(rig, false),
         write: Write::Never,
         ask: false,

@@ -6,6 +6,7 @@
 //! `simulated` does.
 
 use twinrotor::bench::SimulatedRig;
+use twinrotor::board;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
 use twinrotor::conversation::commands::{self, Commands};
 use twinrotor::conversation::outgoing::{Outgoing, Waiting};
@@ -17,7 +18,7 @@ use twinrotor::link::{BAUD, Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, 
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, Parameters, Provenance};
-use twinrotor::plant::presets::{PWM_STEPS, Rig};
+use twinrotor::plant::presets::Rig;
 use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::Numbered;
 use twinrotor::supervisor::{Condition, Conditions};
@@ -40,7 +41,7 @@ pub struct SimulatedBoard {
     conversation: Conversation,
     flash: Store<RamFlash>,
     built_in: Parameters,
-    pwm_steps: u32,
+    hardware: board::Board,
     commands: Commands,
     /// To be tried, until the loop has taken it.
     candidate: Option<Candidate>,
@@ -90,21 +91,21 @@ impl SimulatedBoard {
     pub fn new(rig: &Rig, built_in: Parameters, flash: RamFlash) -> Self {
         let mut flash = Store::new(flash, 0);
         let loaded = load(&mut flash, RigPort::Pwm, built_in);
-        Self::with(SimulatedRig::new(rig), RigPort::Pwm, rig.pwm_steps, flash, built_in, loaded, 0)
+        Self::with(SimulatedRig::new(rig), RigPort::Pwm, rig.board, flash, built_in, loaded, 0)
     }
 
-    /// The same of a board that computes the rig of its own record, in its rest pose.
-    pub fn alone(built_in: Parameters, flash: RamFlash) -> Self {
+    /// The same of a board of that kind that computes the rig of its own record, in its rest pose.
+    pub fn alone(hardware: board::Board, built_in: Parameters, flash: RamFlash) -> Self {
         let mut flash = Store::new(flash, 0);
         let loaded = load(&mut flash, RigPort::Simulated, built_in);
-        let rig = SimulatedRig::of(&loaded.0, PWM_STEPS);
-        Self::with(rig, RigPort::Simulated, PWM_STEPS, flash, built_in, loaded, 0)
+        let rig = SimulatedRig::of(&loaded.0, hardware);
+        Self::with(rig, RigPort::Simulated, hardware, flash, built_in, loaded, 0)
     }
 
     fn with(
         rig: SimulatedRig,
         port: RigPort,
-        pwm_steps: u32,
+        hardware: board::Board,
         flash: Store<RamFlash>,
         built_in: Parameters,
         (parameters, provenance): (Parameters, Provenance),
@@ -119,7 +120,7 @@ impl SimulatedBoard {
             baud: BAUD,
         };
         let conversation = Conversation::new(board, parameters, provenance);
-        let drive = Drive::new(pwm_steps);
+        let drive = Drive::new(hardware.pwm_steps());
         let control = ControlLoop::new(&parameters, CounterWidth::Bits16, rig.counters(), drive, None);
         Self {
             rig,
@@ -131,7 +132,7 @@ impl SimulatedBoard {
             conversation,
             flash,
             built_in,
-            pwm_steps,
+            hardware,
             commands: Commands::new(),
             candidate: None,
             disarm: false,
@@ -148,10 +149,10 @@ impl SimulatedBoard {
     /// The board's supply comes back: it boots with what is in flash. A rig at its port stays where it is.
     #[must_use]
     pub fn reset(self) -> Self {
-        let Self { rig, port, mut flash, built_in, pwm_steps, senses, boots, .. } = self;
+        let Self { rig, port, mut flash, built_in, hardware, senses, boots, .. } = self;
         let loaded = load(&mut flash, port, built_in);
-        let rig = if port == RigPort::Simulated { SimulatedRig::of(&loaded.0, pwm_steps) } else { rig };
-        let board = Self::with(rig, port, pwm_steps, flash, built_in, loaded, boots.wrapping_add(1));
+        let rig = if port == RigPort::Simulated { SimulatedRig::of(&loaded.0, hardware) } else { rig };
+        let board = Self::with(rig, port, hardware, flash, built_in, loaded, boots.wrapping_add(1));
         Self { senses, ..board }
     }
 
@@ -196,7 +197,7 @@ impl SimulatedBoard {
         }
         parameters::save(&mut self.flash, parameters, &mut [0; SLOT_SIZE])?;
         if self.port == RigPort::Simulated {
-            self.rig = SimulatedRig::of(parameters, self.pwm_steps);
+            self.rig = SimulatedRig::of(parameters, self.hardware);
         }
         self.control.adopt(parameters);
         Ok(())

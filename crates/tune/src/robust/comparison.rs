@@ -1,6 +1,7 @@
 //! Controllers side by side on the same plants.
 
-use super::cost::{Score, quantile, total};
+use super::cost::{Score, quantile, step_total, total};
+use super::scenes::{SCENES, SceneScore};
 use serde::Serialize;
 use twinrotor::axes::PerAxis;
 
@@ -23,6 +24,36 @@ impl Spread {
     }
 }
 
+/// One scene over all plants.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SceneRow {
+    /// What it is called.
+    pub name: &'static str,
+    /// \[-\] RMS error in parts of the goal, median.
+    pub error: PerAxis<f64>,
+    /// What it adds to c, mean.
+    pub cost: f64,
+    /// Plants on which the rig left its envelope.
+    pub failures: usize,
+}
+
+impl SceneRow {
+    fn all(scores: &[Score]) -> Vec<Self> {
+        let row = |(k, scene): (usize, &super::Scene)| {
+            let flown: Vec<SceneScore> = scores.iter().filter_map(|score| score.scenes[k]).collect();
+            let middle =
+                |of: fn(&SceneScore) -> f64| quantile(&flown.iter().map(of).collect::<Vec<_>>(), 0.5);
+            (!flown.is_empty()).then(|| Self {
+                name: scene.name(),
+                error: PerAxis::new(middle(|s| s.error.pitch), middle(|s| s.error.yaw)),
+                cost: flown.iter().map(SceneScore::cost).sum::<f64>() / flown.len() as f64,
+                failures: flown.iter().filter(|s| s.failed).count(),
+            })
+        };
+        SCENES.iter().enumerate().filter_map(row).collect()
+    }
+}
+
 /// One controller over all plants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
@@ -30,9 +61,16 @@ pub struct Row {
     pub name: String,
     /// Plants on which it failed.
     pub failures: usize,
+    /// Of these, on how many a board would have cut the motors, where that was looked at.
+    pub cuts: usize,
     /// mean(c) + q90(c)/2.
     #[serde(rename = "J")]
     pub total: f64,
+    /// The same of the step alone, whatever was flown beside it.
+    #[serde(rename = "J_step")]
+    pub step_total: f64,
+    /// The scenes that were flown beside it.
+    pub scenes: Vec<SceneRow>,
     /// c.
     pub cost: Spread,
     /// \[s\] Median.
@@ -69,7 +107,10 @@ impl Row {
         Self {
             name: name.to_owned(),
             failures: scores.iter().filter(|s| s.failed).count(),
+            cuts: scores.iter().filter(|s| s.cut.is_some()).count(),
             total: total(scores),
+            step_total: step_total(scores),
+            scenes: SceneRow::all(scores),
             cost: Spread::of(&costs),
             settling_time_2: both(0.5, |s| s.settling_time),
             settling_p95: both(0.95, |s| s.settling_time),

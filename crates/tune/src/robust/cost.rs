@@ -1,5 +1,7 @@
 //! What a flight of the robust objective costs, term by term.
 
+use super::Cut;
+use super::scenes::{SCENES, SceneScore};
 use serde::Serialize;
 use twinrotor::axes::PerAxis;
 
@@ -19,9 +21,14 @@ pub struct Score {
     pub voltage_variation: f64,
     /// \[s\] In which more was asked of at least one motor than its limit, over the whole flight.
     pub saturation_time: f64,
+    /// The flights beside the step, in the order of [`SCENES`]; none where they were not asked for.
+    pub scenes: [Option<SceneScore>; SCENES.len()],
     /// It went more than a turn astray, or an angle is not finite.
     pub diverged: bool,
-    /// It diverged, left the rig's envelope, or was not inside 5 % when the disturbance came.
+    /// Where a board would have cut the motors, if it was looked at ([`Trial::supervised`](super::Trial)).
+    pub cut: Option<Cut>,
+    /// It diverged, left the rig's envelope, also in a scene, was not inside 5 % when the disturbance came,
+    /// or was cut.
     pub failed: bool,
 }
 
@@ -40,6 +47,8 @@ pub struct Terms {
     pub variation: f64,
     /// .5 x time in saturation.
     pub saturation: f64,
+    /// The scenes beside the step ([`SceneScore::cost`]).
+    pub scenes: f64,
 }
 
 fn sum(both: PerAxis<f64>) -> f64 {
@@ -56,7 +65,9 @@ impl Score {
             hold_rms_deg: PerAxis::both(50.0),
             voltage_variation: 20_000.0,
             saturation_time: 0.0,
+            scenes: [None; SCENES.len()],
             diverged: true,
+            cut: None,
             failed: true,
         }
     }
@@ -70,7 +81,13 @@ impl Score {
             hold: 0.5 * sum(self.hold_rms_deg),
             variation: 0.001 * self.voltage_variation,
             saturation: 0.5 * self.saturation_time,
+            scenes: self.scenes.iter().flatten().map(SceneScore::cost).sum(),
         }
+    }
+
+    /// c of the step alone.
+    pub fn step_cost(&self) -> f64 {
+        Terms { scenes: 0.0, ..self.terms() }.total()
     }
 
     /// c.
@@ -82,11 +99,12 @@ impl Score {
 impl Terms {
     /// Their sum.
     pub fn total(&self) -> f64 {
-        self.settling + self.overshoot + self.disturbance + self.hold + self.variation + self.saturation
+        let step = self.settling + self.overshoot + self.disturbance;
+        step + self.hold + self.variation + self.saturation + self.scenes
     }
 
     /// Their names and values.
-    pub fn named(&self) -> [(&'static str, f64); 6] {
+    pub fn named(&self) -> [(&'static str, f64); 7] {
         [
             ("settling", self.settling),
             ("overshoot", self.overshoot),
@@ -94,6 +112,7 @@ impl Terms {
             ("hold", self.hold),
             ("voltage variation", self.variation),
             ("saturation", self.saturation),
+            ("scenes", self.scenes),
         ]
     }
 
@@ -108,6 +127,7 @@ impl Terms {
             sum.hold += t.hold / count;
             sum.variation += t.variation / count;
             sum.saturation += t.saturation / count;
+            sum.scenes += t.scenes / count;
         }
         sum
     }
@@ -116,6 +136,11 @@ impl Terms {
 /// J = mean(c) + q90(c)/2.
 pub fn total(scores: &[Score]) -> f64 {
     of(&scores.iter().map(Score::cost).collect::<Vec<_>>())
+}
+
+/// J of the step alone, whatever was flown beside it.
+pub fn step_total(scores: &[Score]) -> f64 {
+    of(&scores.iter().map(Score::step_cost).collect::<Vec<_>>())
 }
 
 /// J of these costs.

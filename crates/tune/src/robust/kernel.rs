@@ -3,6 +3,7 @@
 use super::Trial;
 use super::cost::Score;
 use super::plants::Draw;
+use super::scenes::{Course, HOT, SCENES, SceneScore};
 use crate::parallel::{NEVER, Stop};
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -11,7 +12,6 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
-use twinrotor::trajectory::ticks;
 use twinrotor_sim::closed_loop::{ClosedLoop, Hardware, RigLoop};
 use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
 use twinrotor_sim::metrics::{LastOutside, Overshoot};
@@ -39,23 +39,55 @@ struct Sums<R: Real> {
     volts: PerMotor<R>,
 }
 
-/// When what is judged, in ticks.
-#[derive(Debug, Clone, Copy)]
-struct Schedule {
-    /// The first tick with the disturbance.
-    disturbance: u32,
-    /// The first tick after the flight.
-    end: u32,
+/// One lane of them.
+struct Lane {
+    last_outside_2: PerAxis<f64>,
+    overshoot: PerAxis<f64>,
+    hold_squares: PerAxis<f64>,
+    disturbed_squares: PerAxis<f64>,
+    variation: f64,
+    saturated: f64,
+    outside_5: bool,
+    left_envelope: bool,
+    diverged: bool,
+}
+
+impl<R: Real> Sums<R> {
+    fn lane(&self, lane: usize) -> Lane {
+        let of = |x: R| -> f64 { x.lane(lane).into() };
+        Lane {
+            last_outside_2: self.last_outside_2.map(|last| of(last.tick)),
+            overshoot: self.overshoot.map(|overshoot| of(overshoot.most)),
+            hold_squares: self.hold_squares.map(of),
+            disturbed_squares: self.disturbed_squares.map(of),
+            variation: of(self.variation),
+            saturated: of(self.saturated),
+            outside_5: self.outside_5.lane(lane),
+            left_envelope: self.left_envelope.lane(lane),
+            diverged: self.diverged.lane(lane),
+        }
+    }
 }
 
 /// The scores of up to [`LANES`](twinrotor_sim::lanes::LANES) plants.
 pub(super) fn scores(
     trial: &Trial,
+    courses: &[Course],
     settings: &Settings<f32>,
     plants: &[Draw],
     stop: Stop<'_>,
 ) -> Option<Vec<Score>> {
-    in_lanes(Flights { stop, ..Flights::new(trial, settings, plants) })
+    let (step, scenes) = courses.split_first().expect("the step is flown first");
+    let fly = |course| in_lanes(Flights { stop, ..Flights::new(trial, course, settings, plants) });
+    let mut scores: Vec<Score> = fly(step)?.iter().map(|lane| lane.score(step)).collect();
+    for (k, course) in scenes.iter().enumerate() {
+        for (score, lane) in scores.iter_mut().zip(fly(course)?) {
+            let scene = lane.scene(course);
+            score.failed |= scene.failed;
+            score.scenes[k] = Some(scene);
+        }
+    }
+    Some(scores)
 }
 
 /// One controller on up to [`LANES`](twinrotor_sim::lanes::LANES) plants; the last one fills what lanes are
@@ -66,27 +98,23 @@ struct Flights<'a> {
     truth: &'a Rig,
     settings: &'a Settings<f32>,
     plants: &'a [Draw],
-    /// \[rad\]
-    step: PerAxis<f64>,
-    when: Schedule,
+    course: &'a Course,
     stop: Stop<'a>,
 }
 
 impl Kernel for Flights<'_> {
-    type Output = Option<Vec<Score>>;
+    type Output = Option<Vec<Lane>>;
     #[inline(always)]
-    fn run<R: Real<Scalar = f32>>(self) -> Option<Vec<Score>> {
+    fn run<R: Real<Scalar = f32>>(self) -> Option<Vec<Lane>> {
         let sums = fly::<R>(&self)?;
-        Some((0..self.plants.len()).map(|k| score(&sums, k, self.step, self.when)).collect())
+        Some((0..self.plants.len()).map(|k| sums.lane(k)).collect())
     }
 }
 
 impl<'a> Flights<'a> {
-    fn new(trial: &'a Trial, settings: &'a Settings<f32>, plants: &'a [Draw]) -> Self {
-        let disturbance = ticks(trial.allowance, SAMPLE_TIME);
-        let when = Schedule { disturbance, end: 2 * disturbance };
-        let Trial { rig, truth, step, .. } = trial;
-        Self { rig, truth, settings, plants, step: *step, when, stop: NEVER }
+    fn new(trial: &'a Trial, course: &'a Course, settings: &'a Settings<f32>, plants: &'a [Draw]) -> Self {
+        let Trial { rig, truth, .. } = trial;
+        Self { rig, truth, settings, plants, course, stop: NEVER }
     }
 
     fn closed_loop<R: Real<Scalar = f32>>(&self) -> RigLoop<R> {
@@ -118,12 +146,12 @@ impl<'a> Flights<'a> {
 /// Flies to the end, unless nobody waits for it.
 #[inline(always)]
 fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
-    let Flights { when, truth: Rig { envelope, .. }, .. } = *flights;
+    let Flights { course, truth: Rig { envelope, .. }, .. } = *flights;
     let mut closed_loop = flights.closed_loop::<R>();
     let disturbance = flights.disturbance::<R>();
     let limit = flights.settings.volts_limit.map(R::splat);
-    let goal = flights.step;
-    let reference = Reference::at_rest(goal.cast::<R>());
+    let goal = course.goal;
+    let mut reference = Reference::at_rest(goal.cast::<R>());
     let band = |part: f64| goal.map(|g| R::from_f64(part * g.abs()));
     let band_5 = band(0.05);
     let zero = PerAxis::both(R::zero());
@@ -140,12 +168,21 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
         diverged: none,
         volts: PerMotor::zero(),
     };
-    for tick in 0..when.end {
+    for tick in 0..course.end {
         if tick % ASK_EVERY == 0 && (flights.stop)() {
             return None;
         }
-        let disturbed = tick >= when.disturbance;
-        let push = if disturbed { disturbance } else { PerMotor::zero() };
+        if let Some(asked) = course.asked(tick) {
+            reference = Reference::splat(&asked);
+        }
+        let push = match course.push(tick) {
+            Some(part) => disturbance.scaled(R::splat(part)),
+            None => PerMotor::zero(),
+        };
+        if course.hot && tick == 1 {
+            closed_loop.warm(R::from_f64(HOT));
+        }
+        let disturbed = tick >= course.disturbance;
         // Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators
         // and allocations.
         let happened = black_box(&mut closed_loop).tick(&reference, push);
@@ -161,7 +198,7 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
             s.overshoot.yaw.add(error.yaw);
             let outside = error.zip(band_5, |e, band| band.lt(e.abs()));
             s.outside_5 = outside.pitch | outside.yaw;
-            if tick + HOLD >= when.disturbance {
+            if tick + HOLD >= course.disturbance {
                 s.hold_squares = s.hold_squares.plus(square);
                 let change = happened.applied.zip(s.volts, |v, before| (v - before).abs());
                 s.variation = s.variation + (change.main + change.tail);
@@ -182,33 +219,49 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
     Some(s)
 }
 
-fn score<R: Real<Scalar = f32>>(s: &Sums<R>, lane: usize, step: PerAxis<f64>, when: Schedule) -> Score {
-    let allowance = f64::from(when.disturbance) * SAMPLE_TIME;
-    if s.diverged.lane(lane) {
-        return Score::diverged(allowance);
+impl Lane {
+    fn score(&self, course: &Course) -> Score {
+        let allowance = f64::from(course.disturbance) * SAMPLE_TIME;
+        if self.diverged {
+            return Score::diverged(allowance);
+        }
+        let settled = |last: f64| {
+            let last = last.max(0.0);
+            if last >= f64::from(course.disturbance - 1) { allowance } else { last * SAMPLE_TIME }
+        };
+        let hold = HOLD.min(course.disturbance);
+        Score {
+            settling_time: self.last_outside_2.map(settled),
+            overshoot_percent: self.overshoot.zip(course.goal, |most, step| 100.0 * most / step),
+            disturbance_rms_deg: rms(self.disturbed_squares, course.end - course.disturbance)
+                .map(f64::to_degrees),
+            hold_rms_deg: rms(self.hold_squares, hold).map(f64::to_degrees),
+            voltage_variation: self.variation / (2.0 * f64::from(hold) * SAMPLE_TIME),
+            saturation_time: self.saturated * SAMPLE_TIME,
+            scenes: [None; SCENES.len()],
+            diverged: false,
+            cut: None,
+            failed: self.left_envelope || self.outside_5,
+        }
     }
-    let of = |x: R| f64::from(x.lane(lane));
-    let rms =
-        |squares: PerAxis<R>, ticks: u32| squares.map(|x| (of(x) / f64::from(ticks)).sqrt().to_degrees());
-    let settled = |last: LastOutside<R>| {
-        let last = of(last.tick).max(0.0);
-        if last >= f64::from(when.disturbance - 1) { allowance } else { last * SAMPLE_TIME }
-    };
-    let hold = HOLD.min(when.disturbance);
-    Score {
-        settling_time: s.last_outside_2.map(settled),
-        overshoot_percent: s.overshoot.zip(step, |overshoot, step| 100.0 * of(overshoot.most) / step),
-        disturbance_rms_deg: rms(s.disturbed_squares, when.end - when.disturbance),
-        hold_rms_deg: rms(s.hold_squares, hold),
-        voltage_variation: of(s.variation) / (2.0 * f64::from(hold) * SAMPLE_TIME),
-        saturation_time: of(s.saturated) * SAMPLE_TIME,
-        diverged: false,
-        failed: s.left_envelope.lane(lane) || s.outside_5.lane(lane),
+
+    fn scene(&self, course: &Course) -> SceneScore {
+        if self.diverged {
+            return SceneScore::diverged();
+        }
+        let error = rms(self.disturbed_squares, course.end - course.disturbance)
+            .zip(course.unit, |rms, unit| rms / unit);
+        SceneScore { error, failed: self.left_envelope }
     }
+}
+
+fn rms(squares: PerAxis<f64>, ticks: u32) -> PerAxis<f64> {
+    squares.map(|sum| (sum / f64::from(ticks)).sqrt())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Scenes;
     use super::*;
     use crate::design::CATALOGUE;
     use twinrotor::plant::presets;
@@ -229,14 +282,21 @@ mod tests {
             let plants = self.flights.plants;
             let mut lanes = self.flights.closed_loop::<R>();
             let push = self.flights.disturbance::<R>();
-            let goal = self.flights.step;
-            for tick in 0..1500 {
-                let disturbed = tick >= 1000;
-                let group = if disturbed { push } else { PerMotor::zero() };
-                let together = black_box(&mut lanes).tick(&Reference::at_rest(goal.cast()), group);
+            let course = self.flights.course;
+            let mut asked = Reference::default();
+            for tick in 0..course.end {
+                asked = course.asked(tick).unwrap_or(asked);
+                let part = course.push(tick);
+                let group = part.map_or(PerMotor::zero(), |part| push.scaled(R::splat(part)));
+                if course.hot && tick == 1 {
+                    lanes.warm(R::from_f64(HOT));
+                    self.boards.iter_mut().for_each(|board| board.warm(f32::from_f64(HOT)));
+                }
+                let together = black_box(&mut lanes).tick(&Reference::splat(&asked), group);
                 for (k, board) in self.boards.iter_mut().enumerate() {
-                    let alone_push = if disturbed { plants[k].disturbance.cast() } else { PerMotor::zero() };
-                    let alone = board.tick(&Reference::at_rest(goal.cast()), alone_push);
+                    let alone_push = part
+                        .map_or(PerMotor::zero(), |part| plants[k].disturbance.cast::<f32>().scaled(part));
+                    let alone = board.tick(&asked, alone_push);
                     let bits = |x: f32| x.to_bits();
                     assert_eq!(
                         (alone.state.angle.map(bits), alone.applied.map(bits)),
@@ -244,16 +304,17 @@ mod tests {
                             together.state.angle.map(|x| bits(x.lane(k))),
                             together.applied.map(|x| bits(x.lane(k)))
                         ),
-                        "{}, plant {k}, tick {tick}",
-                        self.name
+                        "{}, {}, plant {k}, tick {tick}",
+                        self.name,
+                        course.name
                     );
                 }
             }
         }
     }
 
-    /// In every lane, with every instruction set, the drawn plant flies, bit for bit, as it does with the
-    /// board's own control loop.
+    /// In every lane, with every instruction set, the drawn plant flies the step and every scene, bit for
+    /// bit, as it does with the board's own control loop.
     #[test]
     fn a_lane_is_the_boards_flight() {
         for (name, rig) in
@@ -261,9 +322,11 @@ mod tests {
         {
             let design = CATALOGUE.iter().find(|(n, _)| *n == name).expect("it is there").1;
             let settings = Settings::new(&rig, design(&rig), SAMPLE_TIME).map(f32::from_f64);
-            let trial = Trial::new(&rig, 3, 11, 0.75);
-            let flights = Flights::new(&trial, &settings, &trial.plants);
-            for level in levels() {
+            let trial = Trial { scenes: Scenes::All, ..Trial::new(&rig, 3, 11, 0.75) };
+            for (course, level) in
+                Course::all(&trial).iter().flat_map(|c| levels().into_iter().map(move |l| (c, l)))
+            {
+                let flights = Flights::new(&trial, course, &settings, &trial.plants);
                 let boards = trial
                     .plants
                     .iter()

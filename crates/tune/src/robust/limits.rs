@@ -14,7 +14,7 @@ pub struct Limit {
 }
 
 /// The numbers that can be limited, as `compare --json` spells them, in its units.
-const NUMBERS: [(&str, Number); 13] = [
+const NUMBERS: [(&str, Number); 14] = [
     ("failures", |r| r.failures as f64),
     ("settling_time_2.pitch", |r| r.settling_time_2.pitch),
     ("settling_time_2.yaw", |r| r.settling_time_2.yaw),
@@ -28,6 +28,7 @@ const NUMBERS: [(&str, Number); 13] = [
     ("hold_rms_deg.yaw", |r| r.hold_rms_deg.yaw),
     ("voltage_variation", |r| r.voltage_variation),
     ("saturation_time", |r| r.saturation_time),
+    ("J_step", |r| r.step_total),
 ];
 
 impl Limit {

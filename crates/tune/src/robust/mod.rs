@@ -8,32 +8,36 @@
 //! second before T_d, both) + .001 (voltage variation in that second) + .5 (time in saturation)
 //!
 //! in s, %, deg, V/s and s; J = mean(c) + .5 q90(c). [`Score`] says how each term is measured, [`draw`] which
-//! plants there are.
+//! plants there are. With [`Scenes::All`] five scenes beside the step add to c (`scenes.rs`).
 
+mod board;
 mod comparison;
 mod cost;
 mod kernel;
 mod limits;
 mod plants;
 mod ratio;
+mod scenes;
 mod survey;
 mod tuning;
 
-pub use comparison::{Row, Spread, signed_rank};
-pub use cost::{Score, Terms, quantile, total};
+pub use board::Cut;
+pub use comparison::{Row, SceneRow, Spread, signed_rank};
+pub use cost::{Score, Terms, quantile, step_total, total};
 pub use limits::Limit;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, Scatter, UNSEEN, allowance, draw, draw_within};
 pub use ratio::{Measure, Ratio};
+pub use scenes::{LEFT, SCENES, Scene, SceneScore, Scenes, WEIGHT};
 pub use survey::{Judged, Surveyed};
 pub use tuning::{Plan, Robust, Tuning, objective};
 
 use crate::parallel::{self, NEVER, Stop};
+use scenes::Course;
 use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
-use twinrotor::trajectory::ticks;
 use twinrotor_sim::lanes::LANES;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
@@ -53,6 +57,8 @@ pub struct Trial {
     pub step: PerAxis<f64>,
     /// \[s\] T_d.
     pub allowance: f64,
+    /// What is flown on each plant.
+    pub scenes: Scenes,
 }
 
 /// \[deg\] The objective's step.
@@ -67,7 +73,14 @@ impl Trial {
     /// As [`Trial::new`], with plants within `scatter` of `rig`.
     pub fn within(rig: &Rig, count: usize, seed: u64, allowance: f64, scatter: &Scatter) -> Self {
         let plants = draw_within(rig, count, seed, scatter);
-        Self { rig: *rig, truth: *rig, plants, step: STEP_DEG.map(f64::to_radians), allowance }
+        let step = STEP_DEG.map(f64::to_radians);
+        Self { rig: *rig, truth: *rig, plants, step, allowance, scenes: Scenes::Step }
+    }
+
+    /// The same, with these scenes.
+    #[must_use]
+    pub fn flying(self, scenes: Scenes) -> Self {
+        Self { scenes, ..self }
     }
 
     /// The scores of a controller, in the order of the plants.
@@ -77,8 +90,10 @@ impl Trial {
 
     /// As [`Trial::scores`], or nothing if `stop` says so before all are known.
     pub fn scores_until(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Score>> {
-        let settings = self.settings(controller);
-        parallel::by_group(&self.plants, LANES, |group| self.fly(&settings, group, stop))
+        let (settings, courses) = (self.settings(controller), Course::all(self));
+        parallel::by_group(&self.plants, LANES, |group| {
+            kernel::scores(self, &courses, &settings, group, stop)
+        })
     }
 
     /// As [`Trial::scores_until`], without scores as soon as J is sure not to be below `bound`; and how many
@@ -94,10 +109,10 @@ impl Trial {
         if bound == f64::INFINITY {
             return Some((Some(self.scores_until(controller, stop)?), self.plants.len()));
         }
-        let settings = self.settings(controller);
+        let (settings, courses) = (self.settings(controller), Course::all(self));
         let mut scores = Vec::with_capacity(self.plants.len());
         for group in self.plants.chunks(LANES) {
-            scores.extend(self.fly(&settings, group, stop)?);
+            scores.extend(kernel::scores(self, &courses, &settings, group, stop)?);
             let mut costs: Vec<f64> = scores.iter().map(Score::cost).collect();
             costs.resize(self.plants.len(), 0.0);
             if cost::of(&costs) > bound * SURELY {
@@ -112,17 +127,13 @@ impl Trial {
         Settings::new(&self.rig, *controller, SAMPLE_TIME).map(f32::from_f64)
     }
 
-    fn fly(&self, settings: &Settings<f32>, group: &[Draw], stop: Stop<'_>) -> Option<Vec<Score>> {
-        kernel::scores(self, settings, group, stop)
-    }
-
     /// J.
     pub fn cost(&self, controller: &ControllerSettings<f64>) -> f64 {
         total(&self.scores(controller))
     }
 
-    /// Closed-loop steps of a flight.
+    /// Closed-loop steps that each plant takes.
     pub fn steps(&self) -> u64 {
-        2 * u64::from(ticks(self.allowance, SAMPLE_TIME))
+        Course::all(self).iter().map(|course| u64::from(course.end)).sum()
     }
 }

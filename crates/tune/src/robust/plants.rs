@@ -88,10 +88,12 @@ pub fn draw_within(rig: &Rig, count: usize, seed: u64, scatter: &Scatter) -> Vec
 fn one(nominal: &PlantParameters<f64>, scatter: &Scatter, rng: &mut impl Rng) -> Draw {
     let spread = scatter.constants;
     let mut around = |value: f64, spread: f64| {
-        // Without a spread a number is drawn all the same: what is drawn after it stays.
-        let ends = if spread > 0.0 { 1.0 - spread..1.0 + spread } else { 0.0..1.0 };
-        let factor = rng.random_range(ends);
-        if spread > 0.0 { value * factor } else { value }
+        // Without a spread, or with one that is lost beside 1, a number is drawn all the same: what is drawn
+        // after it stays.
+        let ends = 1.0 - spread..1.0 + spread;
+        let none = ends.is_empty();
+        let factor = rng.random_range(if none { 0.0..1.0 } else { ends });
+        if none { value } else { value * factor }
     };
     let center_of_mass = around(nominal.center_of_mass, spread);
     let inertia = nominal.inertia.map(|x| around(x, spread));
@@ -144,6 +146,12 @@ mod tests {
             assert!((off(near) - 0.1 * off(far)).abs() < 1e-12);
             assert_eq!(near.plant.rotor_time_constant, rig.plant.rotor_time_constant);
             assert_eq!((near.disturbance, near.encoder_phase), (far.disturbance, far.encoder_phase));
+        }
+        // So small a spread is lost beside 1.
+        for tiny in [0.0, 1e-320, 1e-17] {
+            let here = draw_within(&rig, 3, 3, &Scatter { constants: tiny, lag: tiny });
+            assert!(here.iter().all(|d| d.plant == rig.plant));
+            assert_eq!(here[2].disturbance, usual[2].disturbance);
         }
         let told = |constants: f64, lag: f64| Scatter { constants, lag }.validate().unwrap_err().to_string();
         assert_eq!(told(1.0, 0.2), "spread is 1; allowed: 0 to 0.9, a part of the preset's value");

@@ -67,7 +67,9 @@ mod tests {
             hold_rms_deg: PerAxis::both(0.0),
             voltage_variation: 0.0,
             saturation_time: middle + 0.01 * f64::from(k % 7),
+            scenes: [None; super::super::SCENES.len()],
             diverged: false,
+            cut: None,
             failed: false,
         };
         (0..60).map(score).collect()

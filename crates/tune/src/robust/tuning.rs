@@ -1,6 +1,6 @@
 //! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
-use super::{Limit, Row, Scatter, Score, Trial};
+use super::{Limit, Row, Scatter, Scenes, Score, Trial};
 use crate::checkpoint::Identity;
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
 use crate::parallel::{self, Stop};
@@ -114,8 +114,9 @@ pub struct Tuning {
 }
 
 /// The robust objective, as gains files name it.
-pub fn objective(plants: usize, scatter: &Scatter) -> String {
-    let parts = std::iter::once(format!("robust, {plants} plants")).chain(scatter.told());
+pub fn objective(plants: usize, scenes: Scenes, scatter: &Scatter) -> String {
+    let scenes = (scenes == Scenes::All).then(|| "all scenes".to_owned());
+    let parts = std::iter::once(format!("robust, {plants} plants")).chain(scenes).chain(scatter.told());
     parts.collect::<Vec<_>>().join(", ")
 }
 
@@ -149,7 +150,7 @@ impl Tuning {
         let best = search.best().expect("the start is evaluated first");
         let provenance = Provenance {
             preset: self.preset.clone(),
-            objective: objective(PLANTS, &self.scatter),
+            objective: objective(PLANTS, self.trial.scenes, &self.scatter),
             algorithm: format!("fpa-yang, {} rounds", self.plan.rounds),
             seed: self.plan.seed,
             evaluations: search.evaluations(),

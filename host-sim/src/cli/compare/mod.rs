@@ -20,7 +20,8 @@ use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_tune::design::{self, CATALOGUE, Design};
-use twinrotor_tune::robust::{self, Row, Scatter, Score, Trial, Tuning};
+use twinrotor_tune::parallel::NEVER;
+use twinrotor_tune::robust::{self, Row, Scatter, SceneRow, Score, Trial, Tuning};
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -32,6 +33,9 @@ pub(super) struct Args {
     plants: usize,
     #[command(flatten)]
     spreads: Spreads,
+    /// What is flown on each plant; J_step is of the step alone
+    #[arg(long, default_value = "step", conflicts_with = "scenario")]
+    scenes: choices::Scenes,
     /// The rig's world is the only one that controllers are compared in
     #[arg(long, default_value = "rig")]
     fidelity: choices::Fidelity,
@@ -76,6 +80,7 @@ struct Document<'a> {
     plants: usize,
     spread: f64,
     lag_spread: f64,
+    scenes: robust::Scenes,
     seed: u64,
     rotor_lag: PerMotor<f64>,
     controllers: Vec<Row>,
@@ -97,7 +102,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(name) = &args.scenario {
         return scenario::run(args, name, &named, &trial, &controllers);
     }
-    let scores: Vec<Vec<Score>> = controllers.iter().map(|(_, c)| trial.scores(c)).collect();
+    let fly = |controller| trial.supervised(controller, NEVER).expect("nothing stops it");
+    let scores: Vec<Vec<Score>> = controllers.iter().map(|(_, controller)| fly(controller)).collect();
     let rows: Vec<Row> = controllers
         .iter()
         .zip(&scores)
@@ -115,6 +121,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             plants: args.plants,
             spread: scatter.constants,
             lag_spread: scatter.lag,
+            scenes: args.scenes.into(),
             seed: args.common.seed,
             rotor_lag: named.rig.plant.rotor_time_constant,
             controllers: rows,
@@ -159,7 +166,8 @@ fn trial(args: &Args, named: &NamedRig, scatter: &Scatter) -> Outcome<Trial> {
         None => robust::allowance(&named.name, &named.rig),
     };
     let seed = args.common.seed.wrapping_add(robust::UNSEEN);
-    let mut trial = Trial::within(&named.rig, args.plants, seed, allowance, scatter);
+    let mut trial =
+        Trial::within(&named.rig, args.plants, seed, allowance, scatter).flying(args.scenes.into());
     if let Some(text) = &args.step {
         let [pitch, yaw] = pair("--step", text)?;
         if !(pitch > 0.0 && pitch <= 90.0 && yaw > 0.0 && yaw <= 360.0) {
@@ -194,8 +202,9 @@ fn flights<'a>(controllers: impl Iterator<Item = (&'a str, &'a Vec<Score>)>) -> 
     let flights: Vec<(&str, usize, &Score)> = controllers
         .flat_map(|(name, scores)| scores.iter().enumerate().map(move |(k, score)| (name, k + 1, score)))
         .collect();
-    let numbers: [(&str, Number); 13] = [
+    let numbers: [(&str, Number); 15] = [
         ("cost", Score::cost),
+        ("cost_step", Score::step_cost),
         ("settling_time_2_pitch", |s| s.settling_time.pitch),
         ("settling_time_2_yaw", |s| s.settling_time.yaw),
         ("overshoot_percent_pitch", |s| s.overshoot_percent.pitch),
@@ -208,6 +217,7 @@ fn flights<'a>(controllers: impl Iterator<Item = (&'a str, &'a Vec<Score>)>) -> 
         ("saturation_time", |s| s.saturation_time),
         ("diverged", |s| f64::from(u8::from(s.diverged))),
         ("failed", |s| f64::from(u8::from(s.failed))),
+        ("cut", |s| f64::from(u8::from(s.cut.is_some()))),
     ];
     let mut table = Table::default();
     table.push("controller", Column::Words(flights.iter().map(|(name, ..)| (*name).to_owned()).collect()));
@@ -285,11 +295,21 @@ fn tuned(args: &Args) -> impl Iterator<Item = (&'static str, Design)> {
     CATALOGUE.into_iter().filter(move |(name, _)| *name != "paper" && wanted(name))
 }
 
+/// What the heads of the table stand for.
+const LEGEND: &str = "\
+c: a flight's cost; J: its mean, and half its 90 % quantile; less is better
+fail: diverged, outside the envelope, not inside 5 % in time, or cut by the board
+ts2: settling within 2 %; OS: overshoot; medians, or the value that 95 % stay below
+dist, hold: error after the disturbance, and before; V/s: volts moved while holding
+sat: time with a motor at its limit; p: chance of such a difference to the first
+";
+
 fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
     let mut table = tables::table(&[
         "controller",
         "J",
         "fail",
+        "cut",
         "c 5/50/95 %",
         "ts2 p/y [s]",
         "ts2 95 %",
@@ -310,6 +330,7 @@ fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
                 r.name.clone(),
                 format!("{:.3}", r.total),
                 r.failures.to_string(),
+                r.cuts.to_string(),
                 format!("{:.2}/{:.2}/{:.2}", r.cost.p5, r.cost.median, r.cost.p95),
                 pair(r.settling_time_2, 2),
                 pair(r.settling_p95, 2),
@@ -322,12 +343,33 @@ fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
             ],
         );
     }
-    let uses: Vec<String> = rows.iter().map(|r| format!("  {:<15} {}", r.name, r.uses.join(", "))).collect();
+    let beside = if args.scenes == choices::Scenes::All { scenes(rows) } else { String::new() };
+    let uses: Vec<String> = rows.iter().map(|r| tables::listed(&format!("  {}:", r.name), &r.uses)).collect();
     format!(
-        "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\nuses:\n{}\n",
+        "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\n{LEGEND}{beside}\
+         uses:\n{}\n",
         named.name,
         args.plants,
         args.common.seed,
         uses.join("\n")
+    )
+}
+
+/// What the scenes beside the step came to.
+fn scenes(rows: &[Row]) -> String {
+    let names = rows.first().map_or(&[][..], |row| &row.scenes).iter().map(|scene| scene.name);
+    let heads: Vec<&str> = ["controller", "J of the step alone"].into_iter().chain(names).collect();
+    let mut table = tables::table(&heads);
+    for row in rows {
+        let cell = |scene: &SceneRow| {
+            let failures = if scene.failures > 0 { format!(" ({})", scene.failures) } else { String::new() };
+            format!("{:.3}: {:.2}/{:.2}{failures}", scene.cost, scene.error.pitch, scene.error.yaw)
+        };
+        let step = [row.name.clone(), format!("{:.3}", row.step_total)];
+        tables::add(&mut table, step.into_iter().chain(row.scenes.iter().map(cell)));
+    }
+    format!(
+        "scenes: what each adds to c, mean; RMS error p/y in parts of the goal, median; (flights that left \
+         the envelope)\n{table}\n"
     )
 }

@@ -74,6 +74,7 @@ impl Desk {
             }
             if let Some(answer) = self.question.as_ref().and_then(Question::answer) {
                 self.question = None;
+                self.bar.reset();
                 self.session.answer(answer);
             }
             self.turn();
@@ -96,8 +97,9 @@ impl Desk {
                         self.flown.differences = differences;
                     }
                     Event::Asks(wish) => {
-                        let parameters = &self.parameters;
-                        self.question = Some(self.bar.suspend(|| Question::put(&wish, parameters)));
+                        // Its line is for the answer.
+                        self.bar.finish_and_clear();
+                        self.question = Some(Question::put(&wish, &self.parameters));
                     }
                     Event::Frame(frame) => self.note(frame),
                     Event::Health(health) => self.flown.health = Some(health),
@@ -147,7 +149,7 @@ impl Desk {
         self.flown.frames.push(frame);
         let error = frame.reference.zip(frame.angle, |reference, angle| (reference - angle).abs());
         self.worst = self.worst.zip(error, f32::max);
-        if frame.tick.is_multiple_of(PROGRESS_EVERY) && !self.bar.is_hidden() {
+        if frame.tick.is_multiple_of(PROGRESS_EVERY) && self.question.is_none() && !self.bar.is_hidden() {
             let degrees = |x: f32| f64::from(x).to_degrees();
             self.bar.set_message(format!(
                 "{:9.1} s  {:9}  pitch {:7.2}°  yaw {:7.2}°  worst error {:.2}° {:.2}°",
@@ -206,8 +208,9 @@ mod tests {
     fn desk(panics_in_flight: bool) -> (Desk, Rc<RefCell<Simulated>>) {
         let settings = Settings::new(&AERO2, defaults::AERO2, SAMPLE_TIME);
         let parameters = Parameters { checked: true, ..Parameters::new(&AERO2, &settings) };
-        let board = Rc::new(RefCell::new(Simulated::new(&parameters, false).unwrap()));
+        let board = Rc::new(RefCell::new(Simulated::new(AERO2.board, &parameters, false).unwrap()));
         let plan = Plan {
+            board: AERO2.board,
             parameters,
             write: Write::Never,
             ask: false,

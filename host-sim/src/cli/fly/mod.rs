@@ -7,7 +7,7 @@ mod owner;
 mod report;
 mod task;
 
-use super::common::{drawn, no_effect};
+use super::common::{board, drawn, no_effect};
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::figures;
@@ -18,15 +18,16 @@ use crate::files::recording::{self, Gaps};
 use crate::line::{self, Line, NOT_SEEN, Simulated};
 use crate::stop::{self, Second};
 use desk::Desk;
-use inject::Inject;
 use report::{Differences, Document};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 use task::{Task, plan, task};
 use twinrotor::axes::PerAxis;
+use twinrotor::board::Board;
 use twinrotor::rig_port::RigPort;
 use twinrotor_sim::flight::{self, Fidelity, Flight, Plan as Simulation, Scalar};
+use twinrotor_sim::scenario::Inject;
 use twinrotor_station::again::again;
 use twinrotor_station::flown::flown;
 use twinrotor_station::image;
@@ -42,6 +43,9 @@ pub(super) struct Args {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
     #[arg(long, default_value = "aero2")]
     preset: String,
+    /// Board: f405, f407, nucleo-f411 or nucleo-f446
+    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
+    board: Board,
     /// Gains: 'paper' (Table 4) or a gains file [default: the preset's own]
     #[arg(long, value_name = "paper|FILE")]
     gains: Option<String>,
@@ -115,7 +119,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     // Before the line is opened: from then on, whatever ends this ends it with the motors off.
     let _listening = stop::listen(Second::Asks);
     let (port, line): (String, Box<dyn Line>) = if simulated {
-        let line = Simulated::new(&task.parameters, args.real_time).map_err(image::unusable)?;
+        let line = Simulated::new(args.board, &task.parameters, args.real_time).map_err(image::unusable)?;
         ("sim".to_owned(), Box::new(line.befallen_by(&task.scenario, args.seed)))
     } else {
         line::open(&args.port)?
@@ -188,13 +192,13 @@ fn conclude(
     let simulates = session.identity().is_some_and(|identity| identity.port == RigPort::Simulated);
     let flown_or_injected = match &end.ending {
         Ending::Flown => true,
-        Ending::Stopped(_) => !args.inject.is_empty(),
+        Ending::Stopped(_) => !args.inject.is_empty() || !task.scenario.inject.is_empty(),
         _ => false,
     };
     // What befalls a rig by its scenario is not computed once more.
     let calm = task.scenario.is_undisturbed();
     let verified = if flown_or_injected && calm && (args.verify || simulates) {
-        let own = simulates.then(|| task.parameters.rig(rig.pwm_steps));
+        let own = simulates.then(|| task.parameters.rig(rig.board));
         let rig = own.as_ref().unwrap_or(rig);
         Some(again(rig, &task.parameters, frames, session.said(), session.tried()))
     } else {

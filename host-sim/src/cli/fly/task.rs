@@ -37,7 +37,8 @@ pub(super) struct Task {
 
 /// What the flags ask for.
 pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
-    let named = files::rig(&args.preset)?;
+    let mut named = files::rig(&args.preset)?;
+    named.rig.board = args.board;
     let (gains_name, gains) = match &args.gains {
         Some(name) => (name.clone(), files::gains("--gains", name)?),
         None => {
@@ -53,7 +54,7 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
     };
     let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.validate().map_err(image::unusable)?;
-    let mut scenario = files::scenario(&args.scenario)?;
+    let mut scenario = files::scenario_to_inject(&args.scenario)?;
     let mut notes = Vec::new();
     if scenario.start != Start::default() {
         notes.push("the scenario's start is left out: a board begins where its rig rests".to_owned());
@@ -63,6 +64,13 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
         let why = "nothing but the air disturbs a rig, and its hardware is what it is";
         notes.push(format!("the scenario's disturbances, events and hardware are left out: {why}"));
         scenario = scenario.undisturbed();
+    }
+    if args.report.is_some() && !scenario.inject.is_empty() {
+        let why = "a report is of sound flights; leave one out";
+        let name = &scenario.name;
+        return Err(Failure::Input(format!(
+            "--report cannot be with --scenario {name}, which injects: {why}"
+        )));
     }
     if args.verify && !scenario.is_undisturbed() {
         return Err(Failure::Input(format!(
@@ -101,7 +109,11 @@ fn others(args: &Args, parameters: &Parameters, notes: &mut Vec<String>) -> Outc
     names.sort();
     let mut found = Vec::new();
     for name in names {
-        let mut scenario = files::scenario(&name)?;
+        let mut scenario = files::scenario_to_inject(&name)?;
+        if !scenario.inject.is_empty() {
+            notes.push(format!("left out: {name}: it injects something"));
+            continue;
+        }
         scenario.disturbance = None;
         match refuse_out_of_range(&scenario, parameters) {
             Ok(()) => found.push(scenario),
@@ -148,6 +160,7 @@ pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Outcome<Plan> {
     }
     legs.extend(task.others.iter().map(|other| Leg::Fly(other.references())));
     Ok(Plan {
+        board: args.board,
         parameters: task.parameters,
         write: match (args.write, args.yes) {
             (true, _) => Write::Always,
@@ -156,7 +169,7 @@ pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Outcome<Plan> {
         },
         ask: !simulated && !args.yes,
         frame_every: ticks_per_frame(BAUD),
-        injections: by_tick(&args.inject, task.scenario.duration)?,
+        injections: by_tick(&[&args.inject[..], &task.scenario.inject].concat(), task.scenario.duration)?,
         legs,
         save: args.save,
     })

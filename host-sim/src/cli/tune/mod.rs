@@ -2,6 +2,7 @@
 //! scenario ([`integral`]), the robust objective plants and a controller ([`robust`]).
 
 mod integral;
+mod proof;
 mod report;
 mod request;
 mod robust;
@@ -29,19 +30,22 @@ struct Shared {
     #[command(flatten)]
     common: Common,
     /// Search method: fpa-paper (the paper's Fig. 4), fpa-yang (as published), fpa-demo (the widespread demo
-    /// code), fpa-adaptive (ours), ga, pso, gwo, de, cmaes, nelder-mead, random, sobol
-    #[arg(long, default_value = "fpa-paper")]
-    algorithm: String,
+    /// code), fpa-adaptive (ours), ga, pso, gwo, de, cmaes, nelder-mead, random, sobol [default: fpa-paper;
+    /// with --objective robust fpa-adaptive]
+    #[arg(long, value_name = "NAME")]
+    algorithm: Option<String>,
     /// What to minimise: an integral of the error, or the robust objective over many plants in the rig's
     /// world
     #[arg(long, default_value = "ise")]
     objective: Goal,
-    /// Candidates a generation, N [default: what the method is usually run with, 50 for the published FPA]
+    /// Candidates a generation, N [default: what the method is usually run with, 50 for the published FPA, 25
+    /// for fpa-adaptive]
     #[arg(long, value_name = "N")]
     population: Option<usize>,
-    /// Generations after the first, T: N (T + 1) evaluations in all, with N = 50 if it is not given
-    #[arg(long, value_name = "T", default_value_t = 30)]
-    iterations: usize,
+    /// Generations after the first, T: N (T + 1) evaluations in all, with N = 50 if it is not given [default:
+    /// 30; with --objective robust and N = 25 39 in each round]
+    #[arg(long, value_name = "T")]
+    iterations: Option<usize>,
     /// Where to write the gains
     #[arg(long, value_name = "FILE", default_value = "gains.toml")]
     out: PathBuf,

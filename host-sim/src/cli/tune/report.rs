@@ -133,7 +133,7 @@ fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
-fn gain_rows(table: &mut comfy_table::Table, found: &GainsFile) {
+fn gain_rows(table: &mut tables::Table, found: &GainsFile) {
     let (paper, tuned) =
         (gains::PAPER.to_paper_order(), found.gains().expect("the paper's law").to_paper_order());
     for (k, name) in NAMES.iter().enumerate() {
@@ -149,7 +149,7 @@ fn gain_rows(table: &mut comfy_table::Table, found: &GainsFile) {
     }
 }
 
-fn flight_rows(table: &mut comfy_table::Table, flown: &[Flight; 2]) {
+fn flight_rows(table: &mut tables::Table, flown: &[Flight; 2]) {
     let mut row = |name: &str, of: &dyn Fn(&Flight) -> String| {
         tables::add(table, [name.to_owned(), of(&flown[0]), of(&flown[1]), String::new()]);
     };

@@ -1,6 +1,6 @@
 //! What is asked of `tune` whatever is minimised, resolved, and a search driven so.
 
-use super::Shared;
+use super::{Goal, Shared};
 use crate::cli::common::{End, bar, within};
 use crate::cli::print;
 use crate::error::{Failure, Outcome};
@@ -16,6 +16,18 @@ use twinrotor_sim::rig::{self, NamedRig};
 use twinrotor_tune::checkpoint::Identity;
 use twinrotor_tune::optimise::{ALGORITHMS, MOST_EVALUATIONS, Searcher, Setup};
 use twinrotor_tune::search::{Problem, Search};
+
+/// How a search goes that says nothing of it.
+struct Usual {
+    algorithm: &'static str,
+    population: Option<usize>,
+    iterations: usize,
+}
+
+/// The paper's.
+const INTEGRAL: Usual = Usual { algorithm: "fpa-paper", population: None, iterations: 30 };
+/// That of the committed gains (`scripts/tune-defaults.sh`): 1,000 evaluations a round.
+const ROBUST: Usual = Usual { algorithm: "fpa-adaptive", population: Some(25), iterations: 39 };
 
 /// The shared flags, resolved.
 pub(super) struct Request<'a> {
@@ -40,14 +52,22 @@ impl<'a> Request<'a> {
     pub(super) fn new(shared: &'a Shared, inputs: &[(&str, &str)]) -> Outcome<Self> {
         let begun = Instant::now();
         let named = shared.common.resolve()?;
-        let each = shared.population.unwrap_or(50);
+        let usual = if shared.objective == Goal::Robust { &ROBUST } else { &INTEGRAL };
+        let algorithm = shared.algorithm.as_deref().unwrap_or(usual.algorithm);
+        let population = shared.population.or(usual.population.filter(|_| algorithm == usual.algorithm));
+        let each = population.unwrap_or(50);
+        let iterations = shared.iterations.unwrap_or(if population == usual.population {
+            usual.iterations
+        } else {
+            INTEGRAL.iterations
+        });
         let setup = Setup {
-            algorithm: *known_name("algorithm", &shared.algorithm, &ALGORITHMS)?,
-            population: shared.population,
-            evaluations: each.saturating_mul(shared.iterations.saturating_add(1)),
+            algorithm: *known_name("algorithm", algorithm, &ALGORITHMS)?,
+            population,
+            evaluations: each.saturating_mul(iterations.saturating_add(1)),
         };
         Setup { evaluations: 1, ..setup }.validate().map_err(Failure::of_flag)?;
-        within("--iterations", shared.iterations, 0, MOST_EVALUATIONS / each - 1)?;
+        within("--iterations", iterations, 0, MOST_EVALUATIONS / each - 1)?;
         let mut outputs = shared.common.outputs();
         inputs.iter().for_each(|(flag, path)| outputs.reads(flag, path));
         outputs.writes("--out", &shared.out)?;
@@ -60,7 +80,7 @@ impl<'a> Request<'a> {
         Ok(Self {
             named,
             setup,
-            algorithm: &shared.algorithm,
+            algorithm,
             seed: shared.common.seed,
             json: shared.common.json,
             out: &shared.out,

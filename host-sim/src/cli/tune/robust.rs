@@ -1,9 +1,10 @@
 //! `tune --objective robust`: any parameter of any controller, on many plants at once.
 
+use super::proof::Proof;
 use super::report::Run;
 use super::request::{Request, left};
 use crate::cli::common::{Spreads, no_effect, within};
-use crate::cli::{print, print_json, tables};
+use crate::cli::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::stop;
@@ -12,7 +13,9 @@ use std::fmt::Write;
 use twinrotor::controller::ControllerSettings;
 use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
+use twinrotor_sim::scenario::SAMPLE_TIME;
 use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::parallel::NEVER;
 use twinrotor_tune::robust::{self, Limit, Plan, Robust, Terms, Trial};
 use twinrotor_tune::search::Search;
 use twinrotor_tune::tunable::Tunable;
@@ -31,9 +34,13 @@ pub(super) struct Args {
     /// Which parameters to tune, such as yaw,filter.bandwidth.pitch [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     parameters: Vec<String>,
-    /// Keep a number that `compare --json` tells within a limit, such as overshoot_p95.yaw=2
+    /// Keep a number that `compare --json` tells within a limit, such as overshoot_p95.yaw=2; 'none' for no
+    /// limit at all [default: overshoot_p95.pitch=2.5,overshoot_p95.yaw=2.5,voltage_variation=135,failures=0]
     #[arg(long, value_name = "NUMBER=MOST", value_delimiter = ',')]
     at_most: Vec<String>,
+    /// What is flown on each plant [default: all]
+    #[arg(long)]
+    scenes: Option<choices::Scenes>,
     /// On how many plants [default: 32]
     #[arg(long, value_name = "N")]
     plants: Option<usize>,
@@ -47,7 +54,20 @@ pub(super) struct Args {
     range: Option<f64>,
 }
 
+/// Limits that the committed gains of most presets keep, or nearly (`scripts/tune-defaults.sh`).
+const LIMITS: [&str; 4] =
+    ["overshoot_p95.pitch=2.5", "overshoot_p95.yaw=2.5", "voltage_variation=135", "failures=0"];
+
 impl Args {
+    /// As they are typed.
+    fn limits(&self) -> Vec<String> {
+        match &self.at_most[..] {
+            [] => LIMITS.map(str::to_owned).to_vec(),
+            [none] if none == "none" => Vec::new(),
+            given => given.to_vec(),
+        }
+    }
+
     /// The files that are read, by flag.
     pub(super) fn inputs(&self) -> [(&str, &str); 1] {
         [("--start", self.start.as_deref().unwrap_or_default())]
@@ -61,6 +81,7 @@ impl Args {
             ("--start", self.start.is_some()),
             ("--parameters", !self.parameters.is_empty()),
             ("--at-most", !self.at_most.is_empty()),
+            ("--scenes", self.scenes.is_some()),
             ("--plants", self.plants.is_some()),
             ("--spread", self.spreads.spread.is_some()),
             ("--lag-spread", self.spreads.lag_spread.is_some()),
@@ -92,9 +113,15 @@ struct Document<'a> {
     plants: usize,
     spread: f64,
     lag_spread: f64,
+    scenes: robust::Scenes,
     /// Of the gains; not known of a search that was interrupted.
     terms: Option<Terms>,
     failures: Option<usize>,
+    cuts: Option<usize>,
+    #[serde(rename = "J_step")]
+    step_total: Option<f64>,
+    /// What came of flying them beyond the objective.
+    proof: Option<&'a Proof>,
     gains: &'a GainsFile,
 }
 
@@ -107,11 +134,13 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let plants = within("--plants", args.plants.unwrap_or(32), 1, 100_000)?;
     let rounds = within("--rounds", args.rounds.unwrap_or(4), 1, 1_000)?;
     let limit = |text: &String| Limit::parse(text).map_err(Failure::of_flag);
-    let limits = args.at_most.iter().map(limit).collect::<Outcome<Vec<_>>>()?;
+    let at_most = args.limits();
+    let limits = at_most.iter().map(limit).collect::<Outcome<Vec<_>>>()?;
+    let scenes: robust::Scenes = args.scenes.unwrap_or(choices::Scenes::All).into();
     let seed = request.seed;
     let scatter = args.spreads.scatter()?;
     let allowance = robust::allowance(&named.name, &named.rig);
-    let trial = Trial::within(&named.rig, plants, seed, allowance, &scatter);
+    let trial = Trial::within(&named.rig, plants, seed, allowance, &scatter).flying(scenes);
     let plan = Plan { setup: request.setup, rounds, range, seed };
     let identity = request
         .identity()
@@ -120,7 +149,8 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         .with("spread", format_args!("{}, {}", scatter.constants, scatter.lag))
         .with("rounds", rounds)
         .with("range", range)
-        .with("at-most", args.at_most.join(","))
+        .with("at-most", at_most.join(","))
+        .with("scenes", format_args!("{scenes:?}"))
         .with("parameters", tunable.names().join(","))
         .with_toml(&GainsFile { controller: start, provenance: None }.to_toml());
     let mut search = request.begin(identity, plan.start(tunable.names().len()))?;
@@ -132,8 +162,8 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let mut file = GainsFile { controller: found, provenance: None };
     file.provenance = Some(Provenance {
         preset: named.name.clone(),
-        objective: std::iter::once(robust::objective(plants, &scatter))
-            .chain(args.at_most.iter().cloned())
+        objective: std::iter::once(robust::objective(plants, scenes, &scatter))
+            .chain(at_most.iter().cloned())
             .collect::<Vec<_>>()
             .join(", "),
         algorithm: format!("{}, {rounds} rounds", request.algorithm),
@@ -142,37 +172,48 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         cost: best.cost,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     });
+    let proof = Proof::of(&named.rig, &found);
     let mut outputs = request.outputs.take();
     outputs.write(request.out, file.to_toml().as_bytes());
     drop(listening);
-    let document = |scores: Option<&[robust::Score]>| Document {
-        run: Run::new(request, &search, 2.0 * trial.allowance),
+    let document = |scores: Option<&[robust::Score]>, proof| Document {
+        run: Run::new(request, &search, trial.steps() as f64 * SAMPLE_TIME),
         objective: "robust",
         plants,
         spread: scatter.constants,
         lag_spread: scatter.lag,
+        scenes,
+        proof,
+        cuts: scores.map(|scores| scores.iter().filter(|s| s.cut.is_some()).count()),
+        step_total: scores.map(robust::step_total),
         terms: scores.map(|scores| Terms::mean(scores.iter().map(robust::Score::terms))),
         failures: scores.map(|scores| scores.iter().filter(|s| s.failed).count()),
         gains: &file,
     };
     if stop::requested() {
         if request.json {
-            print_json(&document(None))?;
+            print_json(&document(None, None))?;
         }
         return left(request, &search, outputs);
     }
 
-    let before = trial.scores(&start);
-    let after = trial.scores(&found);
+    let fly = |controller| trial.supervised(controller, NEVER).expect("nothing stops it");
+    let (before, after) = (fly(&start), fly(&found));
     if request.json {
-        print_json(&document(Some(&after)))?;
+        print_json(&document(Some(&after), Some(&proof)))?;
     } else {
         let tuned =
             Tunable::new(&found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
         let summary = summary(request, &tunable, &search, &tuned, [&before, &after]);
-        print(&format!("{summary}{}", outputs.unwritten()))?;
+        print(&format!("{summary}{}{}", proof.text(), outputs.unwritten()))?;
     }
-    outputs.done()
+    outputs.done()?;
+    match proof.stopped() {
+        Some(why) => {
+            Err(Failure::Flight(format!("{} are not to be flown as they are: {why}", request.out.display())))
+        }
+        None => Ok(()),
+    }
 }
 
 fn summary(
@@ -224,7 +265,14 @@ fn summary(
         ],
     );
     let failures = |scores: &[robust::Score]| scores.iter().filter(|s| s.failed).count().to_string();
+    let step = |scores: &[robust::Score]| format!("{:.4}", robust::step_total(scores));
+    tables::add(&mut table, ["J of the step alone".to_owned(), step(before), step(after)]);
     tables::add(&mut table, ["failures".to_owned(), failures(before), failures(after)]);
-    let _ = writeln!(text, "{table}\ngains: {}", request.out.display());
+    let cuts = |scores: &[robust::Score]| scores.iter().filter(|s| s.cut.is_some()).count().to_string();
+    tables::add(&mut table, ["of these cut by the board".to_owned(), cuts(before), cuts(after)]);
+    let out = request.out.display();
+    let _ = writeln!(text, "{table}\ngains: {out}");
+    let preset = &request.named.name;
+    let _ = writeln!(text, "fly it: cargo run --release -p host-sim -- fly --preset {preset} --gains {out}");
     text
 }

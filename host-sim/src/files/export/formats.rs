@@ -50,31 +50,34 @@ impl Table {
 
     /// One channel, `/flight`, of JSON messages with a schema; the first column is the time \[s\].
     pub(super) fn to_mcap(&self) -> mcap::McapResult<Vec<u8>> {
-        let numbers: Vec<(&str, &[f64])> = self
+        let properties: serde_json::Map<String, serde_json::Value> = self
             .columns
             .iter()
-            .filter_map(|(name, column)| match column {
-                Column::Numbers(x) => Some((name.as_str(), x.as_slice())),
-                Column::Counts(_) | Column::Words(_) => None,
+            .map(|(name, column)| {
+                let kind = match column {
+                    Column::Numbers(_) => "number",
+                    Column::Counts(_) => "integer",
+                    Column::Words(_) => "string",
+                };
+                (name.clone(), serde_json::json!({"type": kind}))
             })
-            .collect();
-        let properties: serde_json::Map<String, serde_json::Value> = numbers
-            .iter()
-            .map(|(name, _)| ((*name).to_owned(), serde_json::json!({"type": "number"})))
             .collect();
         let schema = serde_json::json!({"title": "Flight", "type": "object", "properties": properties});
         let mut writer = mcap::Writer::new(Cursor::new(Vec::new()))?;
         let schema = writer.add_schema("twinrotor.Flight", "jsonschema", schema.to_string().as_bytes())?;
         let channel = writer.add_channel(schema, "/flight", "json", &BTreeMap::new())?;
-        for row in 0..self.rows() {
+        let Some((_, Column::Numbers(seconds))) = self.columns.first() else {
+            return Err(mcap::McapError::Io(std::io::Error::other("the first column is no time")));
+        };
+        for (row, second) in seconds.iter().enumerate() {
             let message: serde_json::Map<String, serde_json::Value> =
-                numbers.iter().map(|(name, x)| ((*name).to_owned(), x[row].into())).collect();
+                self.columns.iter().map(|(name, column)| (name.clone(), column.json(row))).collect();
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "an hour of nanoseconds"
             )]
-            let time = (numbers[0].1[row] * 1e9).round() as u64;
+            let time = (second * 1e9).round() as u64;
             let sequence = u32::try_from(row).unwrap_or(u32::MAX);
             let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time: time };
             writer
@@ -92,6 +95,16 @@ impl Table {
             archive.write_all(&npy(column))?;
         }
         Ok(archive.finish()?.into_inner())
+    }
+}
+
+impl Column {
+    fn json(&self, row: usize) -> serde_json::Value {
+        match self {
+            Self::Numbers(x) => x[row].into(),
+            Self::Counts(x) => x[row].into(),
+            Self::Words(x) => x[row].as_str().into(),
+        }
     }
 }
 
@@ -161,7 +174,7 @@ mod tests {
         assert_eq!(messages.len(), 3);
         assert_eq!((messages[2].log_time, messages[2].channel.topic.as_str()), (2_000_000, "/flight"));
         let told: serde_json::Value = serde_json::from_slice(&messages[2].data).unwrap();
-        assert_eq!(told["theta"], -2.5);
+        assert_eq!(told, serde_json::json!({"t": 0.002, "theta": -2.5, "seed": u64::MAX, "name": "ψ"}));
     }
 
     /// The layout that numpy.lib.format documents.

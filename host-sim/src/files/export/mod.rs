@@ -7,7 +7,7 @@ mod formats;
 use crate::error::{Failure, Outcome};
 use std::fmt::Write;
 use std::path::Path;
-use twinrotor_sim::flight::{COLUMNS, Row};
+use twinrotor_sim::flight::{Reading, Row};
 
 /// One column.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,11 +59,11 @@ fn failed(path: &Path, error: impl std::fmt::Display) -> Failure {
 }
 
 impl Table {
-    /// A flight, SI units, the columns of `simulate --csv`.
-    pub fn of_flight(rows: &[Row]) -> Self {
+    /// A flight, SI units, in columns such as those of `simulate --csv`.
+    pub fn of_flight(rows: &[Row], columns: &[(&str, Reading)]) -> Self {
         let mut table = Self::default();
-        for (name, of) in COLUMNS {
-            table.push(name, Column::Numbers(rows.iter().map(of).collect()));
+        for (name, of) in columns {
+            table.push(name, Column::Numbers(rows.iter().map(*of).collect()));
         }
         table
     }

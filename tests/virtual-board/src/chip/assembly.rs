@@ -13,7 +13,9 @@ use super::dma::Dma;
 use super::exti::Exti;
 use super::flash::Flash;
 use super::mishaps::Frozen;
+use super::more_clocks::{self, MoreClocks};
 use super::serial::Usart;
+use super::settings::Part;
 use super::supply::Pwr;
 use super::syscfg::Syscfg;
 use super::timer::Timer;
@@ -41,6 +43,7 @@ pub(super) enum Field {
     Flash,
     Exti,
     Syscfg,
+    MoreClocks,
 }
 
 /// Where each kind of instance sits on the bus.
@@ -66,7 +69,7 @@ impl Stm32f405 {
     ///
     /// If the description contradicts itself.
     pub fn new(seed: u64, settings: Settings) -> Result<Self, Error> {
-        let bus = description::builder().build()?;
+        let bus = description::builder(settings.part).build()?;
         let mut wiring = vec![Field::None; bus.slots().len()].into_boxed_slice();
         let mut wire = |name: &'static str, field: Field| -> Result<usize, Error> {
             let slot = bus.slot(name)?;
@@ -86,6 +89,9 @@ impl Stm32f405 {
             timers: [0; 14],
         };
         wire("SYSCFG", Field::Syscfg)?;
+        if settings.part == Part::F446 {
+            wire(more_clocks::NAME, Field::MoreClocks)?;
+        }
         wire(armv7m::DWT, Field::Dwt)?;
         wire(models::ADC_COMMON, Field::AdcCommon)?;
         for (nth, name) in PORTS.into_iter().enumerate() {
@@ -123,6 +129,7 @@ impl Stm32f405 {
             flash: Flash::new(seed),
             exti: Exti::default(),
             syscfg: Syscfg,
+            more_clocks: MoreClocks,
             bus,
             wiring,
             slots,

@@ -12,6 +12,8 @@ use rigless::soc::{Builder, Bus, Clock, Cpu, Endian, EraseBlocks, Gate, Peripher
 use super::debug;
 use super::exti;
 use super::flash;
+use super::more_clocks;
+use super::settings::Part;
 use super::timer;
 
 /// The interrupt lines, table 61.
@@ -124,10 +126,12 @@ const fn apb(apb2: bool, enable: bool) -> &'static str {
     }
 }
 
-fn instances() -> Vec<Peripheral> {
+fn instances(part: Part) -> Vec<Peripheral> {
+    let more: &[Peripheral] = if part == Part::F446 { &[more_clocks::PERIPHERAL] } else { &[] };
     generated::PERIPHERALS
         .iter()
         .chain([&armv7m::PERIPHERAL, &debug::PERIPHERAL])
+        .chain(more)
         .filter(|each| !LEFT_OUT.contains(&each.name))
         .map(|&each| {
             if let Some(timer) = TIMERS.iter().find(|timer| timer.name == each.name) {
@@ -139,6 +143,8 @@ fn instances() -> Vec<Peripheral> {
                 };
             }
             match each.name {
+                // As far as its registers go: behind them the F446 has more.
+                "RCC" => Peripheral { size: 0x90, ..each },
                 "EXTI" => Peripheral { interrupts: exti::INTERRUPTS, ..each },
                 "ADC1" | "ADC2" | "ADC3" => Peripheral { interrupts: &[18], size: 0x100, ..each },
                 name if PORTS.contains(&name) => Peripheral { registers: &gpioa::REGISTERS, ..each },
@@ -153,11 +159,16 @@ fn instances() -> Vec<Peripheral> {
 }
 
 /// The part's bus, with every gate, reset line and clock.
-pub fn builder() -> Builder {
-    let cpu = Cpu::new("STM32F405", true, INTERRUPT_LINES, Endian::Little);
-    let mut builder = Bus::builder(cpu, &MEMORY, instances())
+pub fn builder(part: Part) -> Builder {
+    let (name, identity) = match part {
         // Section 38.6.1: device 0x413, revision Y.
-        .reset("DBG", "DBGMCU_IDCODE", 0x100F_6413)
+        Part::F405 => ("STM32F405", 0x100F_6413),
+        // RM0390, 33.6.1: device 0x421, revision A.
+        Part::F446 => ("STM32F446", 0x1000_6421),
+    };
+    let cpu = Cpu::new(name, true, INTERRUPT_LINES, Endian::Little);
+    let mut builder = Bus::builder(cpu, &MEMORY, instances(part))
+        .reset("DBG", "DBGMCU_IDCODE", identity)
         .clocked_by(armv7m::DWT, Clock::output("RCC", rcc::HCLK))
         .clocked_by("IWDG", Clock::output("RCC", rcc::IWDG_CLK))
         .reads_requests("RCC")

@@ -13,6 +13,7 @@ pub mod dma;
 pub mod exti;
 pub mod flash;
 mod mishaps;
+pub mod more_clocks;
 mod part;
 pub mod serial;
 mod settings;
@@ -35,8 +36,9 @@ use dma::Dma;
 use exti::Exti;
 use flash::Flash;
 use mishaps::Frozen;
+use more_clocks::MoreClocks;
 use serial::Usart;
-pub use settings::{Settings, StreamStop, Tolerance};
+pub use settings::{Part, Settings, StreamStop, Tolerance};
 use supply::Pwr;
 use syscfg::Syscfg;
 use timer::{Side, Timer};
@@ -59,6 +61,7 @@ pub struct Stm32f405 {
     flash: Flash,
     exti: Exti,
     syscfg: Syscfg,
+    more_clocks: MoreClocks,
     bus: Bus,
     wiring: Box<[Field]>,
     slots: Slots,
@@ -73,6 +76,11 @@ impl Stm32f405 {
     /// The flash, to place an image in before the part runs and to look at after.
     pub fn flash(&mut self) -> &mut Flash {
         &mut self.flash
+    }
+
+    /// Which part it is.
+    pub fn part(&self) -> Part {
+        self.settings.part
     }
 
     /// Drives the flash from outside at `at`.

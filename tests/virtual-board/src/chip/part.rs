@@ -95,6 +95,7 @@ impl Mcu for Stm32f405 {
             Field::Flash => Some(&mut self.flash),
             Field::Exti => Some(&mut self.exti),
             Field::Syscfg => Some(&mut self.syscfg),
+            Field::MoreClocks => Some(&mut self.more_clocks),
         };
         (&mut self.bus, model)
     }

@@ -40,9 +40,21 @@ impl Default for StreamStop {
     }
 }
 
+/// Which part it is, as far as the firmware can tell the two apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Part {
+    /// STM32F405, reference manual RM0090.
+    #[default]
+    F405,
+    /// STM32F446, RM0390: two clock registers more (6.3.27 and 6.3.28), another identity (33.6.1).
+    F446,
+}
+
 /// What the part is like, and what is soldered beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
+    /// Which one it is.
+    pub part: Part,
     /// \[mV\] The part's own rail, which its voltage detector watches; 1,800 to 3,600.
     pub rail_millivolts: u32,
     /// Where the voltage detector lies.
@@ -58,6 +70,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            part: Part::default(),
             rail_millivolts: 3300,
             detector: Tolerance::default(),
             crystal_hz: 8_000_000,

@@ -76,12 +76,13 @@ pub struct Setup {
 impl Setup {
     /// `firmware` alone, its tick in TIM1's update interrupt.
     pub fn new(firmware: Firmware) -> Self {
+        let settings = Settings { part: firmware.part(), ..Settings::default() };
         Self {
             firmware,
             images: Vec::new(),
             amplifiers: Amplifiers::default(),
             tick: TICK,
-            settings: Settings::default(),
+            settings,
             seed: 1,
             refusals_allowed: false,
             protects_memory: false,

@@ -42,7 +42,7 @@ impl Host {
     fn new(rig: &Rig, parameters: &Parameters) -> Self {
         let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
         let helicopter = Helicopter::new(rig, supply);
-        let drive = Amplifier::new(rig.pwm_steps);
+        let drive = Amplifier::new(rig.board.pwm_steps());
         let control = ControlLoop::new(parameters, CounterWidth::Bits16, helicopter.counters(), drive, None);
         let supply = helicopter.measured_supply();
         Self { helicopter, control, before_last: None, drive, supply, before: None }

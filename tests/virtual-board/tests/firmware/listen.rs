@@ -9,6 +9,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use twinrotor::axes::PerAxis;
+use twinrotor::board::F405;
 use twinrotor::parameters::Parameters;
 use twinrotor::reference::Reference;
 use twinrotor::telemetry::Frame;
@@ -86,6 +87,7 @@ fn run(mut line: TcpStream, session: &mut Session) -> (End, Vec<Frame>) {
 
 fn plan(parameters: &Parameters, legs: Vec<Leg>) -> Plan {
     Plan {
+        board: F405,
         parameters: *parameters,
         write: Writing::Never,
         ask: false,
@@ -155,7 +157,10 @@ fn a_board_whose_program_goes_away_in_flight_switches_off() {
     assert_eq!(fault.1, "the host was silent for too long");
 }
 
-/// Ticks by the clock, over five seconds: within a hundredth, at least in one of a few tries, since the
+/// \[s\] That the clock is looked at for, unless `TWINROTOR_REAL_TIME` says otherwise.
+const REAL_TIME: f64 = 5.0;
+
+/// Ticks by the clock, over some seconds: within a hundredth, at least in one of a few tries, since the
 /// machine may be busy with something else.
 #[test]
 fn a_board_in_real_time_keeps_to_the_clock() {
@@ -175,11 +180,15 @@ fn a_board_in_real_time_keeps_to_the_clock() {
         }
         (tick, Instant::now())
     };
+    let wanted = std::env::var("TWINROTOR_REAL_TIME");
+    let seconds = wanted.map_or(REAL_TIME, |seconds| seconds.parse().expect("seconds"));
     let mut rate = || {
         let (first, at) = last(Duration::from_millis(500));
-        let (end, then) = last(Duration::from_secs(5));
-        f64::from(end - first) * 1e-3 / (then - at).as_secs_f64()
+        let (end, then) = last(Duration::from_secs_f64(seconds));
+        let rate = f64::from(end - first) * 1e-3 / (then - at).as_secs_f64();
+        println!("{} ticks in {:.3} s: {rate:.5} of real time", end - first, (then - at).as_secs_f64());
+        rate
     };
-    let rates: Vec<f64> = (0..6).map(|_| rate()).collect();
-    assert!(rates.iter().any(|rate| (rate - 1.0).abs() < 0.01), "{rates:?}");
+    let keeps = (0..6).any(|_| (rate() - 1.0).abs() < 0.01);
+    assert!(keeps, "never within a hundredth");
 }

@@ -87,3 +87,15 @@ fn flying_with(rig: &Rig, parameters: &Parameters) -> Station {
     assert_eq!(station.heard.state(), Some(ArmState::Armed), "{}", station.heard.summary());
     station
 }
+
+/// A flight with the paper's law, then one in which another controller than the built-in one is being tried:
+/// whatever may happen in the one may in the other.
+fn flights() -> impl Iterator<Item = Station> {
+    [flying as fn() -> Station, trials::trying].into_iter().map(|take_off| take_off())
+}
+
+/// The same two with `parameters` at `rig`.
+fn flights_with<'a>(rig: &'a Rig, parameters: &'a Parameters) -> impl Iterator<Item = Station> + 'a {
+    let both: [fn(&Rig, &Parameters) -> Station; 2] = [flying_with, trials::trying_with];
+    both.into_iter().map(move |take_off| take_off(rig, parameters))
+}

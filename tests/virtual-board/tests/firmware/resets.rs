@@ -4,11 +4,12 @@ use rigless::device::ResetCause;
 use twinrotor::link::ToBoard;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition, Request};
+use twinrotor::telemetry::InForce;
 use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::{Live, Setup};
 use virtual_board::station::Station;
 
-use super::{ADDRESS, firmware, flying, image, paper_parameters, rest, start};
+use super::{ADDRESS, firmware, flights, image, paper_parameters, rest, start};
 
 /// Where the vector table lies.
 const VECTORS: u64 = 0x0800_0000;
@@ -30,6 +31,8 @@ fn assert_reported(station: &mut Station, cause: Condition) {
     let reset = station.heard.identities.last().and_then(|identity| identity.reset);
     assert_eq!(reset.map(|reset| reset.cause), Some(cause), "{:?}", station.machine.resets());
     assert_eq!(station.heard.state(), Some(ArmState::Fault(cause)), "and it is latched as a fault");
+    let controller = station.heard.frames.last().map(|frame| frame.controller);
+    assert_eq!(controller, Some(InForce::default()), "no trial outlives a reset");
     station.attentive = true;
     station.machine.rig(|helicopter: &mut Helicopter| helicopter.hold());
     station.request(Request::ClearFault);
@@ -40,49 +43,53 @@ fn assert_reported(station: &mut Station, cause: Condition) {
 
 #[test]
 fn a_stalled_loop_ends_at_the_watchdog_within_20_ms() {
-    let mut station = flying();
-    // TIM1_CR1: the counter stops, and with it the tick.
-    let alive = end(&mut station, |board| board.poke(0x4001_0000, 0));
-    assert!(alive <= 20, "{alive} ms");
-    assert_reported(&mut station, Condition::ResetByWatchdog);
+    for mut station in flights() {
+        // TIM1_CR1: the counter stops, and with it the tick.
+        let alive = end(&mut station, |board| board.poke(0x4001_0000, 0));
+        assert!(alive <= 20, "{alive} ms");
+        assert_reported(&mut station, Condition::ResetByWatchdog);
+    }
 }
 
 #[test]
 fn a_stuck_core_ends_at_the_watchdog_within_20_ms() {
-    let mut station = flying();
-    let alive = end(&mut station, |board| board.stall(100));
-    assert!(alive <= 20, "{alive} ms");
-    assert_eq!(station.machine.resets().len(), 1);
+    for mut station in flights() {
+        let alive = end(&mut station, |board| board.stall(100));
+        assert!(alive <= 20, "{alive} ms");
+        assert_eq!(station.machine.resets().len(), 1);
+    }
 }
 
 #[test]
 fn a_fault_exception_switches_off_and_says_where() {
-    let mut station = flying();
-    // The tick's next access to its timer is answered with a bus error.
-    let alive = end(&mut station, |board| board.fail_next(0x4001_0000));
-    assert!(alive <= 2, "{alive} ms");
-    let reset = station.heard.identities.last().and_then(|identity| identity.reset).expect("a reset");
-    let place = firmware().locate(u64::from(reset.program_counter));
-    assert!(!place.starts_with("0x"), "{place} is no place in the firmware");
-    assert!(reset.ticks > 1_000, "{reset:?}");
-    assert_reported(&mut station, Condition::ResetByFault);
+    for mut station in flights() {
+        // The tick's next access to its timer is answered with a bus error.
+        let alive = end(&mut station, |board| board.fail_next(0x4001_0000));
+        assert!(alive <= 2, "{alive} ms");
+        let reset = station.heard.identities.last().and_then(|identity| identity.reset).expect("a reset");
+        let place = firmware().locate(u64::from(reset.program_counter));
+        assert!(!place.starts_with("0x"), "{place} is no place in the firmware");
+        assert!(reset.ticks > 1_000, "{reset:?}");
+        assert_reported(&mut station, Condition::ResetByFault);
+    }
 }
 
 #[test]
 fn a_brown_out_switches_off_before_the_supply_is_gone() {
-    let mut station = flying();
-    let alive = end(&mut station, |board| {
-        let (at, _) = board.now();
-        board.board().chip().set_rail(at, 2_700);
-    });
-    assert!(alive <= 2, "{alive} ms");
-    station.machine.with(|board| {
-        let (at, _) = board.now();
-        board.board().chip().set_rail(at, 3_300);
-    });
-    station.run(300);
-    let reset = station.heard.identities.last().and_then(|identity| identity.reset);
-    assert_eq!(reset.map(|reset| reset.cause), Some(Condition::ResetByBrownOut));
+    for mut station in flights() {
+        let alive = end(&mut station, |board| {
+            let (at, _) = board.now();
+            board.board().chip().set_rail(at, 2_700);
+        });
+        assert!(alive <= 2, "{alive} ms");
+        station.machine.with(|board| {
+            let (at, _) = board.now();
+            board.board().chip().set_rail(at, 3_300);
+        });
+        station.run(300);
+        let reset = station.heard.identities.last().and_then(|identity| identity.reset);
+        assert_eq!(reset.map(|reset| reset.cause), Some(Condition::ResetByBrownOut));
+    }
 }
 
 #[test]

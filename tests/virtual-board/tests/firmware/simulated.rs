@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Faults, Injection};
+use twinrotor::board::{F405, NUCLEO_F411, NUCLEO_F446};
 use twinrotor::parameters::Parameters;
-use twinrotor::plant::presets::{self, PWM_STEPS};
+use twinrotor::plant::presets;
 use twinrotor::reference::Reference;
 use twinrotor::rig_port::RigPort;
 use twinrotor::supervisor::Condition;
@@ -29,7 +30,10 @@ fn parameters(preset: &str) -> Parameters {
 }
 
 fn board(parameters: &Parameters) -> Machine {
-    let firmware = Firmware::simulated().unwrap_or_else(|why| panic!("{why}"));
+    board_of(Firmware::simulated().unwrap_or_else(|why| panic!("{why}")), parameters)
+}
+
+fn board_of(firmware: Firmware, parameters: &Parameters) -> Machine {
     let setup = Setup::new(firmware).with_image(ADDRESS, image(&[*parameters]));
     let mut machine = Machine::start(setup, AtRest(Inputs::default()));
     machine.run(200);
@@ -37,8 +41,8 @@ fn board(parameters: &Parameters) -> Machine {
 }
 
 fn plan(parameters: &Parameters, legs: Vec<Leg>, injections: Vec<(u32, Injection)>) -> Plan {
-    let (write, save) = (Write::Never, false);
-    Plan { parameters: *parameters, write, ask: false, frame_every: 1, injections, legs, save }
+    let (board, write, save) = (F405, Write::Never, false);
+    Plan { board, parameters: *parameters, write, ask: false, frame_every: 1, injections, legs, save }
 }
 
 fn step(ticks: usize) -> Leg {
@@ -47,6 +51,11 @@ fn step(ticks: usize) -> Leg {
 
 /// A session to its end. Its clock is the board's, so that a busy machine changes nothing.
 fn fly(machine: &mut Machine, plan: Plan) -> (End, Vec<Frame>, Session) {
+    fly_and(machine, plan, |_| {})
+}
+
+/// The same, and `then` as soon as the first leg has begun.
+fn fly_and(machine: &mut Machine, plan: Plan, then: fn(&mut Machine)) -> (End, Vec<Frame>, Session) {
     const AT_ONCE: u64 = 2;
     let (mut session, mut frames, mut now) = (Session::new(plan, Duration::ZERO), Vec::new(), 0);
     loop {
@@ -58,6 +67,7 @@ fn fly(machine: &mut Machine, plan: Plan) -> (End, Vec<Frame>, Session) {
         while let Some(event) = session.event() {
             match event {
                 Event::Frame(frame) => frames.push(frame),
+                Event::Begins { .. } => then(machine),
                 Event::Over(end) => return (end, frames, session),
                 _ => {}
             }
@@ -70,7 +80,7 @@ fn fly(machine: &mut Machine, plan: Plan) -> (End, Vec<Frame>, Session) {
 fn fly_twice(machine: &mut Machine, plan: Plan) -> (End, usize) {
     let parameters = plan.parameters;
     let (end, frames, session) = fly(machine, plan);
-    let rig = parameters.rig(PWM_STEPS);
+    let rig = parameters.rig(F405);
     let same = again(&rig, &parameters, &frames, session.said(), None);
     (end, same.unwrap_or_else(|why| panic!("{why}")))
 }
@@ -93,32 +103,93 @@ fn text(name: &str) -> twinrotor_sim::Outcome<String> {
     Ok(std::fs::read_to_string(path).unwrap())
 }
 
-/// What a board's owner sends back, here: every preset's rig with its own controller, from checked to landed.
+/// What a board's owner sends back, here: a preset's rig with its own controller, from checked to landed.
 /// `TWINROTOR_SIMULATED=60` flies every scenario instead, each for at most so many seconds.
-#[test]
-fn every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit() {
+fn flies(preset: &str) {
     let seconds = std::env::var("TWINROTOR_SIMULATED").ok().map(|text| text.parse::<f64>().expect("seconds"));
-    for (preset, _) in presets::ALL {
-        let parameters = parameters(preset);
-        let mut machine = board(&parameters);
-        let legs = match seconds {
-            None => vec![step(1_500)],
-            Some(seconds) => SCENARIOS
-                .iter()
-                .map(|name| {
-                    let mut scenario = Scenario::load(name, &text).unwrap();
-                    scenario.duration = scenario.duration.min(seconds);
-                    Leg::Fly(scenario.references())
-                })
-                .collect(),
+    let parameters = parameters(preset);
+    let mut machine = board(&parameters);
+    let legs = match seconds {
+        None => vec![step(1_500)],
+        Some(seconds) => SCENARIOS
+            .iter()
+            .map(|name| {
+                let mut scenario = Scenario::load(name, &text).unwrap();
+                scenario.duration = scenario.duration.min(seconds);
+                Leg::Fly(scenario.references())
+            })
+            .collect(),
+    };
+    let ticks: usize = legs.iter().map(|leg| if let Leg::Fly(r) = leg { r.len() } else { 0 }).sum();
+    let (end, same) = fly_twice(&mut machine, plan(&parameters, legs, Vec::new()));
+    assert_eq!(end, End { ending: Ending::Flown, motors: Motors::SeenOff }, "{preset}");
+    assert!(same > ticks, "{preset}: {same} ticks");
+    println!("{preset}: bit for bit equal over {same} ticks");
+    assert_nothing_left(&mut machine);
+}
+
+mod every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit {
+    use super::{flies, presets};
+
+    /// A test for each preset, so that they fly at the same time.
+    macro_rules! fly {
+        ($($test:ident: $preset:literal),*) => {
+            const FLOWN: &[&str] = &[$($preset),*];
+            $(#[test]
+            fn $test() {
+                flies($preset);
+            })*
         };
-        let ticks: usize = legs.iter().map(|leg| if let Leg::Fly(r) = leg { r.len() } else { 0 }).sum();
-        let (end, same) = fly_twice(&mut machine, plan(&parameters, legs, Vec::new()));
-        assert_eq!(end, End { ending: Ending::Flown, motors: Motors::SeenOff }, "{preset}");
-        assert!(same > ticks, "{preset}: {same} ticks");
-        println!("{preset}: bit for bit equal over {same} ticks");
-        assert_nothing_left(&mut machine);
     }
+
+    fly!(
+        paper: "paper", paper_fixed: "paper-fixed", aero: "aero",
+        aero2: "aero2", aero_lab: "aero-lab", heli: "heli"
+    );
+
+    #[test]
+    fn and_there_is_no_other() {
+        assert_eq!(presets::ALL.map(|(preset, _)| preset), FLOWN);
+    }
+}
+
+/// The same rig on another chip, and its user button, which nothing else knows of.
+#[test]
+fn a_nucleo_f446_flies_the_same_bits_and_its_button_is_the_emergency_stop() {
+    let firmware = Firmware::simulated_nucleo_f446().unwrap_or_else(|why| panic!("{why}"));
+    let parameters = parameters(record::BUILT_IN);
+    let mut machine = board_of(firmware, &parameters);
+    let fly_step = |machine: &mut Machine, then| {
+        let (end, frames, session) = fly_and(machine, plan(&parameters, vec![step(1_500)], Vec::new()), then);
+        let identity = session.identity().expect("it said who it is");
+        assert_eq!((identity.chip.as_str(), identity.port), (NUCLEO_F446.chip, RigPort::Simulated));
+        let rig = parameters.rig(NUCLEO_F446);
+        let same = again(&rig, &parameters, &frames, session.said(), None);
+        (end, same.unwrap_or_else(|why| panic!("{why}")))
+    };
+    let flown = End { ending: Ending::Flown, motors: Motors::SeenOff };
+    let (end, same) = fly_step(&mut machine, |_| {});
+    println!("nucleo-f446: bit for bit equal over {same} ticks");
+    assert!(end == flown && same > 1_500, "{end:?}, {same} ticks");
+    let (end, _) = fly_step(&mut machine, |machine| machine.rig(|rig: &mut AtRest| rig.0.button = true));
+    let stop = words::condition(Condition::EmergencyStop);
+    let stopped = Ending::Stopped(format!("a fault stopped the flight: {stop}"));
+    assert_eq!(end, End { ending: stopped, motors: Motors::SeenOff });
+    machine.rig(|rig: &mut AtRest| rig.0.button = false);
+    let (end, _) = fly_step(&mut machine, |_| {});
+    assert_eq!(end, flown);
+    assert_nothing_left(&mut machine);
+}
+
+/// What was made for a board with another PWM is not flown.
+#[test]
+fn another_board_than_is_expected_is_refused() {
+    let parameters = parameters(record::BUILT_IN);
+    let mut machine = board(&parameters);
+    let plan = Plan { board: NUCLEO_F411, ..plan(&parameters, vec![step(500)], Vec::new()) };
+    let (end, ..) = fly(&mut machine, plan);
+    let why = "the board is a f405, and a nucleo-f411 is expected: 2100 and 1250 steps of the PWM";
+    assert_eq!(end, End { ending: Ending::Trouble(why.to_owned()), motors: Motors::NeverTurned });
 }
 
 /// The plant is in the tick: 4,000 instructions are allowed for all of it.
@@ -137,6 +208,12 @@ fn a_tick_with_its_plant_keeps_its_budget() {
     }
 }
 
+fn wiring(spoil: fn(&mut Faults)) -> Injection {
+    let mut faults = Faults::default();
+    spoil(&mut faults);
+    Injection::Wiring(faults)
+}
+
 /// Everything that can befall the rig, and what the supervisor answers; what it stands is flown to the end.
 /// The ticks until then are the host's, to the bit, with the same things befalling its rig.
 #[test]
@@ -153,6 +230,10 @@ fn whatever_befalls_the_rig_the_supervisor_answers_and_the_host_computes() {
         (Injection::CurrentLimit(true), Some(Condition::CurrentLimit)),
         (Injection::EmergencyStop(true), Some(Condition::EmergencyStop)),
         (Injection::Stall { ticks: 3 }, Some(Condition::TickOverrun)),
+        (wiring(|faults| faults.drift.pitch = 4), Some(Condition::AngleEnvelope)),
+        (wiring(|faults| faults.drift.yaw = -8), Some(Condition::RateEnvelope)),
+        (wiring(|faults| faults.motor_open.main = true), Some(Condition::PitchMotion)),
+        (wiring(|faults| faults.motor_reversed.tail = true), Some(Condition::YawMotion)),
         (Injection::Disturbance(push), None),
         (Injection::Weight { mass: 0.004, arm: 0.1 }, None),
     ];

@@ -18,7 +18,7 @@ use rigless::device::{Device, DeviceContext, Level, RegisterFile};
 use rigless::mcu::{Mcu, Operate, Single};
 use rigless::soc::{Layout, Width};
 use rigless::time::VirtualNanos;
-use virtual_board::chip::builder;
+use virtual_board::chip::{Part, builder};
 
 /// A model on a bus of its own, and the time.
 pub struct Alone<D: Device + 'static> {
@@ -32,7 +32,7 @@ pub struct Alone<D: Device + 'static> {
 impl<D: Device + 'static> Alone<D> {
     /// `model` on `instance` of the part.
     pub fn new(instance: &'static str, model: D) -> Self {
-        let single = Single::new(builder(), instance, model).expect("the part has it");
+        let single = Single::new(builder(Part::F405), instance, model).expect("the part has it");
         Self { single, instance, now: 0, told: Vec::new(), raised: Vec::new() }
     }
 

@@ -6,6 +6,7 @@ use crate::session::{End, Ending, Event as Told, Leg, Motors, Plan, Session, Wri
 use crate::words;
 use twinrotor::axes::PerMotor;
 use twinrotor::bench::{Faults, Injection};
+use twinrotor::board::F405;
 use twinrotor::plant::presets;
 use twinrotor::reference::Reference;
 
@@ -18,14 +19,24 @@ fn record_of(name: &str, checked: bool) -> Parameters {
 fn stored(record: &Parameters) -> SimulatedBoard {
     let mut store = Store::new(RamFlash::default(), 0);
     twinrotor::parameters::save(&mut store, record, &mut [0; SLOT_SIZE]).unwrap();
-    SimulatedBoard::alone(*record, store.into_flash())
+    SimulatedBoard::alone(F405, *record, store.into_flash())
 }
 
 fn plan(parameters: Parameters, injections: Vec<(u32, Injection)>) -> Plan {
     let there = vec![Reference::at_rest(PerAxis::new(0.15, 0.4)); 700];
     let back = vec![Reference::at_rest(PerAxis::new(-0.1, -0.4)); 2_500];
     let legs = vec![Leg::Fly([there, back].concat())];
-    Plan { parameters, write: Write::Always, ask: false, frame_every: 1, injections, legs, save: false }
+    let board = F405;
+    Plan {
+        board,
+        parameters,
+        write: Write::Always,
+        ask: false,
+        frame_every: 1,
+        injections,
+        legs,
+        save: false,
+    }
 }
 
 /// To the end; how it ended, how many ticks were the same computed once more, and the steps.
@@ -43,7 +54,7 @@ fn fly(board: &mut SimulatedBoard, plan: Plan) -> (End, usize, Vec<&'static str>
                 Told::Frame(frame) => frames.push(frame),
                 Told::Step(step, _) => steps.push(step),
                 Told::Over(end) => {
-                    let rig = parameters.rig(PWM_STEPS);
+                    let rig = parameters.rig(F405);
                     let same = again(&rig, &parameters, &frames, session.said(), None);
                     return (end, same.unwrap_or_else(|why| panic!("{why}")), steps);
                 }
@@ -67,7 +78,7 @@ fn every_presets_rig_flies_from_its_record_and_the_same_once_more() {
 /// From nothing stored: written, checked on the simulated rig, kept, flown.
 #[test]
 fn a_new_board_is_written_checked_and_flown_with_another_rig_than_the_built_in_one() {
-    let mut board = SimulatedBoard::alone(record_of("aero2", false), RamFlash::default());
+    let mut board = SimulatedBoard::alone(F405, record_of("aero2", false), RamFlash::default());
     let (end, same, steps) = fly(&mut board, plan(record_of("heli", false), Vec::new()));
     assert_eq!(end.ending, Ending::Flown, "{steps:?}");
     assert!(same > 3_200 && steps.contains(&"checked"), "{steps:?}");

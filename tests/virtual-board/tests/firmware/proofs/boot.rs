@@ -8,7 +8,7 @@ use virtual_board::helicopter::Helicopter;
 use virtual_board::machine::Setup;
 use virtual_board::station::Station;
 
-use super::super::{ADDRESS, firmware, flying_with, image, make_ready, rest, start};
+use super::super::{ADDRESS, firmware, flights_with, image, make_ready, rest, start};
 use super::{built_in, trace, traced};
 
 const TOLERANCES: [Tolerance; 3] = [Tolerance::Minimum, Tolerance::Typical, Tolerance::Maximum];
@@ -98,12 +98,15 @@ fn a_crystal_within_its_tolerance_is_the_boards_clock() {
 #[test]
 fn a_crystal_that_stops_in_flight_ends_it_at_once_and_the_next_boot_says_so() {
     let (rig, parameters) = built_in();
-    let mut station = flying_with(&rig, &parameters);
-    let from = traced(&mut station);
+    flights_with(&rig, &parameters).for_each(|mut station| stop_crystal(&mut station));
+}
+
+fn stop_crystal(station: &mut Station) {
+    let from = traced(station);
     station.attentive = false;
     station.machine.with(|board| board.stop_crystal());
     station.run(600);
-    let alive = trace(&mut station, from).iter().rposition(|o| o.live() || o.enabled);
+    let alive = trace(station, from).iter().rposition(|o| o.live() || o.enabled);
     assert!(alive.is_none_or(|last| last <= 1), "{alive:?} ms");
     let reset = station.heard.identities.last().and_then(|identity| identity.reset).expect("a reset");
     assert_eq!(reset.cause, Condition::ResetByClock);
@@ -113,7 +116,7 @@ fn a_crystal_that_stops_in_flight_ends_it_at_once_and_the_next_boot_says_so() {
     station.attentive = true;
     station.machine.rig(|heli: &mut Helicopter| heli.hold());
     station.request(Request::ClearFault);
-    rest(&mut station);
+    rest(station);
     station.send(&ToBoard::Zero);
     station.aim(PerAxis::zero());
     station.request(Request::Arm);

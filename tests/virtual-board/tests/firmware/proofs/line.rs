@@ -8,7 +8,7 @@ use virtual_board::machine::Setup;
 use virtual_board::serial::Flaw;
 use virtual_board::station::Station;
 
-use super::super::{ADDRESS, board_with, firmware, flying_with, image, make_ready, start};
+use super::super::{ADDRESS, board_with, firmware, flights_with, image, make_ready, start};
 use super::{FLAWS, built_in, driven, states, traced};
 
 /// The control register of the receiver's DMA stream, and what is left of its lap.
@@ -78,13 +78,14 @@ fn a_bad_word_long_after_a_disarm_arms_nothing_whatever_a_stopped_stream_does() 
 #[test]
 fn a_bad_word_after_the_host_has_gone_leaves_the_fault_as_it_is() {
     let (rig, parameters) = built_in();
-    let mut station = flying_with(&rig, &parameters);
-    station.attentive = false;
-    station.run(700);
-    assert_eq!(station.heard.state(), Some(ArmState::Fault(Condition::CommandTimeout)));
-    station.machine.rig(|heli: &mut virtual_board::helicopter::Helicopter| heli.hold());
-    for flaw in FLAWS {
-        changes_nothing(&mut station, flaw);
+    for mut station in flights_with(&rig, &parameters) {
+        station.attentive = false;
+        station.run(700);
+        assert_eq!(station.heard.state(), Some(ArmState::Fault(Condition::CommandTimeout)));
+        station.machine.rig(|heli: &mut virtual_board::helicopter::Helicopter| heli.hold());
+        for flaw in FLAWS {
+            changes_nothing(&mut station, flaw);
+        }
     }
 }
 
@@ -92,35 +93,37 @@ fn a_bad_word_after_the_host_has_gone_leaves_the_fault_as_it_is() {
 fn noise_does_not_stand_in_for_the_host() {
     let (rig, parameters) = built_in();
     for flaw in FLAWS {
-        let mut station = flying_with(&rig, &parameters);
-        station.attentive = false;
-        for _ in 0..3 {
-            bad_word(&mut station, flaw);
-            station.run(248);
+        for mut station in flights_with(&rig, &parameters) {
+            station.attentive = false;
+            for _ in 0..3 {
+                bad_word(&mut station, flaw);
+                station.run(248);
+            }
+            let state = station.heard.state();
+            assert_eq!(state, Some(ArmState::Fault(Condition::CommandTimeout)), "{flaw:?}");
         }
-        let state = station.heard.state();
-        assert_eq!(state, Some(ArmState::Fault(Condition::CommandTimeout)), "{flaw:?}");
     }
 }
 
 #[test]
 fn a_bad_word_brings_no_old_setpoint_back() {
     let (rig, parameters) = built_in();
-    let mut station = flying_with(&rig, &parameters);
-    alive_until(&mut station, 300);
-    station.aim(PerAxis::new(0.3, -1.0));
-    station.run(100);
-    alive_until(&mut station, 20);
-    station.aim(PerAxis::new(0.1, 0.2));
-    station.run(5_000);
-    for flaw in FLAWS {
-        bad_word(&mut station, flaw);
-        station.run(1_000);
+    for mut station in flights_with(&rig, &parameters) {
+        alive_until(&mut station, 300);
+        station.aim(PerAxis::new(0.3, -1.0));
+        station.run(100);
+        alive_until(&mut station, 20);
+        station.aim(PerAxis::new(0.1, 0.2));
+        station.run(5_000);
+        for flaw in FLAWS {
+            bad_word(&mut station, flaw);
+            station.run(1_000);
+        }
+        let after = station.heard.frames.last().expect("frames");
+        let away = after.reference.minus(PerAxis::new(0.1, 0.2));
+        assert!(away.pitch.abs() < 0.001 && away.yaw.abs() < 0.001, "{:?}", after.reference);
+        assert_eq!(after.state, ArmState::Armed);
     }
-    let after = station.heard.frames.last().expect("frames");
-    let away = after.reference.minus(PerAxis::new(0.1, 0.2));
-    assert!(away.pitch.abs() < 0.001 && away.yaw.abs() < 0.001, "{:?}", after.reference);
-    assert_eq!(after.state, ArmState::Armed);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
 use virtual_board::station::Station;
 
+use super::super::trials::begin_trial;
 use super::super::{board_with, flying_with, make_ready};
 use super::{FLAWS, built_in};
 
@@ -81,8 +82,23 @@ fn while_disarmed_and_in_a_fault_bad_words_change_nothing() {
 
 #[test]
 fn while_armed_every_disarm_after_the_last_bad_word_is_dealt_with_within_20_ms() {
+    disarm_after_bad_words(|_| {});
+}
+
+/// The same in the shadow of a trial, which each `Disarm` ends.
+#[test]
+fn while_a_controller_is_tried_every_disarm_after_the_last_bad_word_is_dealt_with_within_20_ms() {
+    disarm_after_bad_words(|station| {
+        let (_, parameters) = built_in();
+        begin_trial(station, &parameters);
+    });
+}
+
+/// Whenever it has armed, `first` comes first.
+fn disarm_after_bad_words(first: fn(&mut Station)) {
     let (rig, parameters) = built_in();
     let mut station = flying_with(&rig, &parameters);
+    first(&mut station);
     let mut chance = Chance(0x5EED_0000_0000_0002);
     let known = station.heard.identities.len();
     let mut words = 0;
@@ -103,6 +119,7 @@ fn while_armed_every_disarm_after_the_last_bad_word_is_dealt_with_within_20_ms()
         assert_eq!(state, Some(ArmState::Ready), "after {words} words, {}", station.heard.summary());
         station.request(Request::Arm);
         station.await_state(20, ArmState::Armed);
+        first(&mut station);
     }
     nothing_twice(&station, known + words);
     assert_eq!(station.machine.resets(), []);

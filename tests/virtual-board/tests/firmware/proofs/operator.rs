@@ -2,6 +2,7 @@
 
 use twinrotor::axes::PerAxis;
 use twinrotor::link::{Refusal, ToBoard};
+use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
@@ -11,13 +12,11 @@ use virtual_board::machine::{Machine, Setup};
 use virtual_board::record::paper_parameters;
 use virtual_board::station::Station;
 
-use super::super::{ADDRESS, board_with, firmware, flying_with, image, make_ready, rest, start};
+use super::super::{ADDRESS, board_with, firmware, flights_with, image, make_ready, rest, start};
 use super::{built_in, driven, states, trace, traced};
 
 /// Flies until the telemetry of each tick tells when a `Disarm` behind `before` other messages was taken.
-fn disarm_behind(setpoints: usize) -> usize {
-    let (rig, parameters) = built_in();
-    let mut station = flying_with(&rig, &parameters);
+fn disarm_behind(setpoints: usize, mut station: Station) -> usize {
     let from = traced(&mut station);
     for _ in 0..setpoints {
         station.aim(PerAxis::new(0.1, 0.2));
@@ -31,34 +30,38 @@ fn disarm_behind(setpoints: usize) -> usize {
 #[test]
 fn a_disarm_is_taken_within_two_ticks_of_its_last_byte_whatever_comes_before_it() {
     // A setpoint takes up to 38 bytes: .38 ms of the line.
+    let (rig, parameters) = built_in();
     for setpoints in [0, 3, 8, 16, 40] {
-        let off = disarm_behind(setpoints);
-        let on_the_line = setpoints * 38 / 100;
-        assert!(off <= on_the_line + 4, "behind {setpoints} setpoints, motors off after {off} ms");
+        for station in flights_with(&rig, &parameters) {
+            let off = disarm_behind(setpoints, station);
+            let on_the_line = setpoints * 38 / 100;
+            assert!(off <= on_the_line + 4, "behind {setpoints} setpoints, motors off after {off} ms");
+        }
     }
 }
 
 #[test]
 fn a_disarm_in_a_stream_at_the_lines_rate_is_not_refused() {
     let (rig, parameters) = built_in();
-    let mut station = flying_with(&rig, &parameters);
-    let frame = station.heard.frames.len();
-    for _ in 0..100 {
-        station.aim(PerAxis::new(0.1, 0.2));
+    for mut station in flights_with(&rig, &parameters) {
+        let frame = station.heard.frames.len();
+        for _ in 0..100 {
+            station.aim(PerAxis::new(0.1, 0.2));
+        }
+        station.request(Request::Disarm);
+        for _ in 0..100 {
+            station.aim(PerAxis::new(0.1, 0.2));
+        }
+        station.run(100);
+        let passed = [ArmState::Armed, ArmState::Disarmed, ArmState::Ready];
+        assert_eq!(states(&station, frame), passed);
     }
-    station.request(Request::Disarm);
-    for _ in 0..100 {
-        station.aim(PerAxis::new(0.1, 0.2));
-    }
-    station.run(100);
-    let passed = [ArmState::Armed, ArmState::Disarmed, ArmState::Ready];
-    assert_eq!(states(&station, frame), passed);
 }
 
 #[test]
 fn a_check_ends_when_its_host_has_gone_and_is_refused_without_parameters() {
     let rig = presets::AERO;
-    let unchecked = twinrotor::parameters::Parameters { checked: false, ..paper_parameters(&rig) };
+    let unchecked = Parameters { checked: false, ..paper_parameters(&rig) };
     let mut station = board_with(&rig, &unchecked);
     make_zeroed(&mut station);
     let from = traced(&mut station);
@@ -87,7 +90,10 @@ fn make_zeroed(station: &mut Station) {
 #[test]
 fn a_setpoint_that_moves_comes_to_rest_and_one_beyond_the_envelope_is_refused_with_the_range() {
     let (rig, parameters) = built_in();
-    let mut station = flying_with(&rig, &parameters);
+    flights_with(&rig, &parameters).for_each(|mut station| move_setpoint(&mut station, &parameters));
+}
+
+fn move_setpoint(station: &mut Station, parameters: &Parameters) {
     let setpoint =
         Reference { angle: PerAxis::new(0.1, 0.2), rate: PerAxis::new(0.0, 1.0), accel: PerAxis::zero() };
     station.send(&ToBoard::Setpoint(setpoint));
@@ -110,9 +116,12 @@ fn a_setpoint_that_moves_comes_to_rest_and_one_beyond_the_envelope_is_refused_wi
 
 #[test]
 fn a_supply_that_reads_too_low_gives_no_motor_more_than_was_asked_for() {
-    for (reading, every) in [(0.5, 1), (3.0, 1), (0.5, 10)] {
-        let (rig, parameters) = built_in();
-        let mut station = flying_with(&rig, &parameters);
+    let (rig, parameters) = built_in();
+    let readings = [(0.5, 1), (3.0, 1), (0.5, 10)];
+    let cases = readings
+        .into_iter()
+        .flat_map(|reading| flights_with(&rig, &parameters).map(move |station| (reading, station)));
+    for ((reading, every), mut station) in cases {
         station.run(4_000);
         let (frame, from) = (station.heard.frames.len(), traced(&mut station));
         for nth in 0..20_u32 {

@@ -9,7 +9,7 @@ use virtual_board::machine::{Live, Setup};
 use virtual_board::record::{ADDRESS, image, paper_parameters};
 use virtual_board::station::Station;
 
-use super::super::{board_with, firmware, flying, make_ready, start};
+use super::super::{board_with, firmware, flights, make_ready, start};
 use super::built_in;
 
 /// `PUPDR` of port A: two bits a pin, 1 is up.
@@ -31,9 +31,10 @@ fn cut(station: &mut Station, (port, pin): (usize, u8), milliseconds: u64) {
 
 #[test]
 fn a_cut_fault_wire_reads_as_a_fault() {
-    let mut station = flying();
-    cut(&mut station, FAULT_WIRE, 30);
-    assert_eq!(station.heard.state(), Some(ArmState::Fault(Condition::CurrentLimit)));
+    for mut station in flights() {
+        cut(&mut station, FAULT_WIRE, 30);
+        assert_eq!(station.heard.state(), Some(ArmState::Fault(Condition::CurrentLimit)));
+    }
 }
 
 #[test]
@@ -47,14 +48,15 @@ fn a_serial_cable_that_is_pulled_leaves_a_quiet_line() {
 
 #[test]
 fn a_stopped_cycle_counter_does_not_hide_a_tick_that_was_left_out() {
-    let mut station = flying();
-    // A probe that detaches clears DEMCR.TRCENA: the core's counter reads the same for ever.
-    station.machine.with(|board| board.poke(0xE000_EDFC, 0));
-    station.run(100);
-    assert_eq!(station.heard.state(), Some(ArmState::Armed));
-    station.machine.with(|board| board.stall(3));
-    station.run(50);
-    assert_eq!(station.heard.state(), Some(ArmState::Fault(Condition::TickOverrun)));
+    for mut station in flights() {
+        // A probe that detaches clears DEMCR.TRCENA: the core's counter reads the same for ever.
+        station.machine.with(|board| board.poke(0xE000_EDFC, 0));
+        station.run(100);
+        assert_eq!(station.heard.state(), Some(ArmState::Armed));
+        station.machine.with(|board| board.stall(3));
+        station.run(50);
+        assert_eq!(station.heard.state(), Some(ArmState::Fault(Condition::TickOverrun)));
+    }
 }
 
 #[test]

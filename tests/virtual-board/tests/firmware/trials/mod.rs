@@ -17,6 +17,9 @@ use virtual_board::station::Station;
 
 use super::flying_with;
 
+/// \[ms\] The longest trial that a board flies.
+const MOST_REVERT_MS: u32 = 600_000;
+
 /// The controller of `parameters` with its law's gains times `factor`.
 fn scaled(parameters: &Parameters, factor: f32) -> ControllerSettings<f32> {
     let own = parameters.settings.controller;
@@ -45,7 +48,8 @@ fn await_phase(station: &mut Station, milliseconds: u64, phase: TrialPhase) {
     assert!(came, "not {phase:?}: {:?} {}", station.heard.frames.last(), station.heard.summary());
 }
 
-/// A flight in which another controller than the built-in one flies alone, and is not accepted for a minute.
+/// A flight in which another controller than the built-in one flies alone, and is not accepted for as long as
+/// a board lets it.
 #[track_caller]
 pub(super) fn trying() -> Station {
     let (rig, parameters) = record::tuned(record::BUILT_IN);
@@ -56,8 +60,15 @@ pub(super) fn trying() -> Station {
 #[track_caller]
 pub(super) fn trying_with(rig: &Rig, parameters: &Parameters) -> Station {
     let mut station = flying_with(rig, parameters);
-    let attempt = Attempt { revert_ms: 60_000, ..Attempt::new(scaled(parameters, 0.95)) };
-    try_out(&mut station, attempt);
+    begin_trial(&mut station, parameters);
     await_phase(&mut station, 1_000, TrialPhase::Flying);
     station
+}
+
+/// Has another controller tried, until it flies in the shadow of that of `parameters`.
+#[track_caller]
+pub(super) fn begin_trial(station: &mut Station, parameters: &Parameters) {
+    let attempt = Attempt { revert_ms: MOST_REVERT_MS, ..Attempt::new(scaled(parameters, 0.95)) };
+    try_out(station, attempt);
+    await_phase(station, 50, TrialPhase::Shadow);
 }

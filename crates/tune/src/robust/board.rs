@@ -1,0 +1,108 @@
+//! The objective's flights once more as a board flies them: with its supervisor, which cuts motors.
+//!
+//! The lanes that score a controller fly the board's loop to the bit, but not the monitor that watches it
+//! (`core/src/monitor/`): here the board's own loop flies the same plants through the same flights, one by
+//! one, and what its supervisor cuts is told.
+
+use super::scenes::{Course, HOT};
+use super::{Draw, Score, Trial};
+use crate::parallel::{self, Stop};
+use serde::Serialize;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::controller::ControllerSettings;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::{RealPlant, State};
+use twinrotor::real::Real;
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{ArmState, Condition};
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware};
+use twinrotor_sim::scenario::SAMPLE_TIME;
+
+/// A flight that the board ended.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cut {
+    /// Which: `step`, or a scene's name.
+    pub flight: &'static str,
+    /// What the motors were cut for.
+    pub condition: Condition,
+    /// \[s\] From its beginning.
+    pub time: f64,
+}
+
+impl Trial {
+    /// For each plant, in their order, the first of the trial's flights in which a board would cut the
+    /// motors; nothing if `stop` says so before all have flown.
+    pub fn cuts(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Option<Cut>>> {
+        let settings = self.settings(controller);
+        let courses = Course::all(self);
+        parallel::try_map(&self.plants, |draw| {
+            if stop() {
+                return None;
+            }
+            Some(courses.iter().find_map(|course| self.cut(&settings, course, draw)))
+        })
+    }
+
+    /// As [`Trial::scores_until`], with what a board would have cut: a flight that ends so has failed.
+    pub fn supervised(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Score>> {
+        let scores = self.scores_until(controller, stop)?;
+        let cuts = self.cuts(controller, stop)?;
+        let told = |(score, cut): (Score, Option<Cut>)| Score {
+            cut,
+            failed: score.failed || cut.is_some(),
+            ..score
+        };
+        Some(scores.into_iter().zip(cuts).map(told).collect())
+    }
+
+    fn cut(&self, settings: &Settings<f32>, course: &Course, draw: &Draw) -> Option<Cut> {
+        let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+        let hardware = Hardware::of(&self.truth, draw.encoder_phase).taken_for(&self.rig, &self.truth);
+        let mut board = BoardLoop::new(plant, &hardware, settings);
+        let disturbance: PerMotor<f32> = draw.disturbance.cast();
+        let mut asked = Reference::default();
+        for tick in 0..course.end {
+            asked = course.asked(tick).unwrap_or(asked);
+            if course.hot && tick == 1 {
+                board.warm(f32::from_f64(HOT));
+            }
+            let push = course.push(tick).map_or(PerMotor::zero(), |part| disturbance.scaled(part));
+            board.tick(&asked, push);
+            if let Some(ArmState::Fault(condition)) = board.arm_state() {
+                let time = f64::from(tick) * SAMPLE_TIME;
+                return Some(Cut { flight: course.name, condition, time });
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::NEVER;
+    use crate::robust::{DISTURBANCE, Scenes};
+    use twinrotor::defaults;
+    use twinrotor::plant::presets::AERO2;
+
+    /// What boards boot with is cut nowhere; a rig whose tail motor turns the other way is, on every plant.
+    #[test]
+    fn a_rig_that_does_not_do_as_it_should_is_cut_and_no_other() {
+        let mut trial = Trial::new(&AERO2, 4, 5, 3.0).flying(Scenes::All);
+        assert!(trial.plants.iter().all(|d| d.disturbance.main.abs() < DISTURBANCE));
+        assert_eq!(trial.cuts(&defaults::AERO2, NEVER).unwrap(), [None; 4]);
+        for draw in &mut trial.plants {
+            let thrust = &mut draw.plant.effectiveness;
+            (thrust.tail_on_yaw, thrust.tail_on_pitch) = (-thrust.tail_on_yaw, -thrust.tail_on_pitch);
+        }
+        for score in trial.supervised(&defaults::AERO2, NEVER).unwrap() {
+            assert!(score.failed);
+            let cut = score.cut.expect("the yaw runs the wrong way");
+            assert!(
+                cut.flight == "step" && cut.condition == Condition::YawMotion && cut.time < 2.0,
+                "{cut:?}"
+            );
+        }
+        assert!(trial.cuts(&defaults::AERO2, &|| true).is_none());
+    }
+}

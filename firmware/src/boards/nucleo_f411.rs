@@ -1,0 +1,42 @@
+//! ST Nucleo-F411RE: wired as the Nucleo-F446RE is, with a chip of 100 MHz.
+
+use super::{Board, Button, Clocks, Source};
+use twinrotor::board;
+
+/// This board.
+pub(crate) const BOARD: Board = Board {
+    known: &board::NUCLEO_F411,
+    probe_chip: "STM32F411RETx",
+    // 100 MHz core, 50 and 100 MHz buses, 100 MHz timers.
+    clocks: Clocks {
+        source: Source::External,
+        source_hz: 8_000_000,
+        divide: 4,
+        multiply: 100,
+        post_divide: 2,
+        apb1_divide: 2,
+        apb2_divide: 1,
+    },
+    dead_time_ns: 500,
+    // 3.3 V behind 100 k and 10 k ohm.
+    supply_channel: 10,
+    supply_full_scale: 3.3 * 11.0,
+    button: Some(Button { pin: "PC13", pressed_high: false }),
+    wiring: WIRING,
+};
+
+wiring! {
+    pitch_timer: TIM2, yaw_timer: TIM3,
+    serial: USART2,
+    serial_out_dma: DMA1_CH6 (DMA1_STREAM6), serial_in_dma: DMA1_CH5,
+    serial_out: PA2, serial_in: PA3,
+    pitch_a: PA0, pitch_b: PA1,
+    yaw_a: PC6, yaw_b: PC7,
+    main: PA8, main_complement: PB13, main_reverse: PA10,
+    tail: PA9, tail_complement: PB14, tail_reverse: PA11,
+    enable: PC8,
+    emergency_stop: PB12,
+    current_limit: PC3,
+    supply: PC0,
+    led: PA5,
+}
