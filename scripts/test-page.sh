@@ -14,6 +14,8 @@ size=$(wc -c <$folder/heli.html)
 [ "$size" -le 600000 ] || { echo "the page has $size bytes; 600,000 are allowed"; exit 1; }
 
 cargo run -q -p twinrotor-web --example fingerprints 1000000 >$folder/fingerprints.txt
+$host_sim fly --scenario step --record $folder/flown.csv >/dev/null
+$host_sim simulate --csv $folder/simulated.csv >/dev/null
 $host_sim tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
 
 long=$(find web/page web/tests -name '*.js' -not -path '*/vendor/*' -o -name '*.mjs' | xargs wc -l |
@@ -31,6 +33,8 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
+node web/tests/serial.mjs $folder/heli.html
+node web/tests/record.mjs $folder/heli.html $folder/flown.csv $folder/simulated.csv
 axe=$folder/axe/node_modules/axe-core/axe.min.js
 if command -v npm >/dev/null; then
   [ -f $axe ] || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3

@@ -12,8 +12,10 @@ import { History } from "./history.js";
 import { Lessons } from "./lessons.js";
 import { read, write } from "./link.js";
 import { Module } from "./machine.js";
+import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Rig } from "./rig.js";
+import { Serial } from "./serial.js";
 import { Settings } from "./settings.js";
 import { Socket } from "./socket.js";
 import { Steps } from "./steps.js";
@@ -39,7 +41,6 @@ async function main() {
   const machine = bytes ? await Module.load(bytes) : await Socket.open();
   const about = await machine.ask("about");
   const samples = new History(about.columns.map((/** @type {any} */ column) => column.name));
-  machine.rows = (rows) => samples.take(rows);
   document.body.dataset.way = machine.here ? "here" : "there";
 
   const plots = new Plots(samples);
@@ -55,12 +56,28 @@ async function main() {
       await settings.build();
     });
   new Tuner(machine, bytes, byId("worker").textContent ?? "", about, load);
-  const control = machine instanceof Socket ? new Control(machine, attempt, () => steps.stop()) : undefined;
+  const stop = () => steps.stop();
+  const control = machine instanceof Socket ? new Control(machine, attempt, stop) : undefined;
+  const serial =
+    machine instanceof Module
+      ? new Serial(machine, about.baud, attempt, stop, () => rig.begin())
+      : undefined;
+
+  let board = -1;
+  const clear = () => {
+    board = -1;
+    samples.clear();
+    plots.follow();
+    plots.setLimits([]);
+  };
+  const player =
+    machine instanceof Module ? new Player(machine, samples, attempt, about.record_bytes, clear) : undefined;
+  machine.rows = (rows) => player?.rows || samples.take(rows);
 
   let rowsBefore = -1;
   let drawn = 0;
   const clock = new Clock(
-    (ticks) => machine.pass(ticks),
+    (ticks) => (player?.rows ? player.pass(ticks) : machine.pass(ticks)),
     () => {
       const now = performance.now();
       const held = plots.range;
@@ -74,12 +91,16 @@ async function main() {
     },
   );
 
-  let board = -1;
   let inForce = "";
   let asking = false;
   /** Not with what is drawn: a page that draws slowly is still there. */
   async function words() {
     if (asking) return;
+    if (player?.rows) {
+      player.show();
+      span(player.time);
+      return;
+    }
     asking = true;
     try {
       await show(await machine.ask({ status: { since: steps.told } }));
@@ -106,13 +127,18 @@ async function main() {
     const now = `${status.trial === "flying"} ${status.unsaved}`;
     if (now !== inForce && inForce !== "") await settings.build();
     inForce = now;
-    byId("time").textContent = `${status.time.toFixed(2)} s`;
+    span(status.time);
+    if (machine.here) remember();
+  }
+
+  /** What can be looked back at. @param {number} time now, in s */
+  function span(time) {
+    byId("time").textContent = `${time.toFixed(2)} s`;
     const [first, last] = samples.span();
     const scrub = input("scrub");
     [scrub.min, scrub.max] = [`${first}`, `${last}`];
     if (!plots.range) scrub.value = `${last}`;
     button("follow").setAttribute("aria-pressed", `${!plots.range}`);
-    if (machine.here) remember();
   }
 
   function remember() {
@@ -192,7 +218,7 @@ async function main() {
   setInterval(words, WORDS_EVERY);
   clock.start();
   // For whoever drives the page: a test, a teacher at the browser's console.
-  Object.assign(window, { twinrotor: { machine, samples, clock, plots } });
+  Object.assign(window, { twinrotor: { machine, samples, clock, plots, serial, player, bytes } });
   document.body.dataset.ready = "yes";
 }
 

@@ -23,10 +23,12 @@ export class Control {
   }
 
   show() {
-    const { open, controls } = this.socket;
+    const { open, controls, controlled } = this.socket;
     byId("control").hidden = open && controls;
     byId("control-told").textContent = open
-      ? "another page controls this board; you look on"
+      ? controlled
+        ? "another page controls this board; you look on"
+        : "nobody controls this board: the page that did has gone"
       : "the program cannot be reached, and with it the board: look whether host-sim monitor still runs";
     button("take").hidden = !open;
     document.body.dataset.looks = `${open && !controls}`;

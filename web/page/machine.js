@@ -11,6 +11,10 @@
  * @property {() => number} output
  * @property {(ticks: number) => number} advance
  * @property {() => number} samples
+ * @property {(now: number) => number} exchange
+ * @property {() => number} rows
+ * @property {() => number} open
+ * @property {() => number} record
  */
 
 /**
@@ -24,7 +28,7 @@
  * @property {(request: Request) => Promise<any>} ask gives the answer, or throws what is wrong, in words
  * @property {(ticks: number) => void} pass lets simulated time pass, where it is the page's
  * @property {(rows: Float32Array) => void} rows takes rows of samples; set by whoever wants them
- * @property {boolean} here it computes in the page
+ * @property {boolean} here its board is simulated in the page
  */
 
 const encoder = new TextEncoder();
@@ -36,6 +40,8 @@ export class Module {
   constructor(exports) {
     this.exports = exports;
     this.here = true;
+    /** Its board is at a line: carries bytes there and back, now. @type {(() => void) | undefined} */
+    this.line = undefined;
     /** Numbers in a row of samples. */
     this.columns = this.answer("about").columns.length;
     /** @type {(rows: Float32Array) => void} */
@@ -62,20 +68,53 @@ export class Module {
 
   /** @param {Request} request @returns {any} */
   answer(request) {
-    const { memory, input, ask, output } = this.exports;
-    const question = encoder.encode(JSON.stringify(request));
-    const at = input(question.length);
-    new Uint8Array(memory.buffer, at, question.length).set(question);
-    const length = ask();
-    const answer = JSON.parse(decoder.decode(new Uint8Array(memory.buffer, output(), length)));
+    this.put(encoder.encode(JSON.stringify(request)));
+    return this.answered(this.exports.ask());
+  }
+
+  /** @param {number} length @returns {any} */
+  answered(length) {
+    const answer = JSON.parse(decoder.decode(this.got(length)));
     if (answer.error !== undefined) throw new Error(answer.error);
     return answer.ok;
   }
 
+  /** @param {Uint8Array} bytes */
+  put(bytes) {
+    const { memory, input } = this.exports;
+    const at = input(bytes.length);
+    new Uint8Array(memory.buffer, at, bytes.length).set(bytes);
+  }
+
+  /** @param {number} length */
+  got(length) {
+    return new Uint8Array(this.exports.memory.buffer, this.exports.output(), length);
+  }
+
+  /** Rows out of a recorded flight's CSV. @param {Uint8Array} file */
+  read(file) {
+    this.put(file);
+    const numbers = this.answered(this.exports.open());
+    return new Float32Array(this.exports.memory.buffer, this.exports.record(), numbers).slice();
+  }
+
   /** @param {number} ticks */
   pass(ticks) {
-    const { memory, advance, samples } = this.exports;
-    const rows = advance(ticks);
+    if (this.line) this.line();
+    else this.tell(this.exports.advance(ticks));
+  }
+
+  /** What is to be said over a line to what came. @param {Uint8Array} came @param {number} now in ms */
+  exchange(came, now) {
+    this.put(came);
+    const said = this.got(this.exports.exchange(now)).slice();
+    this.tell(this.exports.rows());
+    return said;
+  }
+
+  /** @param {number} rows */
+  tell(rows) {
+    const { memory, samples } = this.exports;
     this.rows(new Float32Array(memory.buffer, samples(), rows * this.columns));
   }
 }

@@ -14,6 +14,8 @@ export class Socket {
     this.here = false;
     /** This page controls; others look on. */
     this.controls = false;
+    /** Some page does. */
+    this.controlled = false;
     /** @type {(rows: Float32Array) => void} */
     this.rows = () => {};
     /** Told when the socket opens or breaks, or somebody takes over. */
@@ -62,6 +64,7 @@ export class Socket {
   take(told) {
     if (told.controls !== undefined) {
       this.controls = told.controls;
+      this.controlled = told.controlled;
       this.changed();
       return;
     }

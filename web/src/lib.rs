@@ -20,6 +20,7 @@ pub mod desk;
 mod exports;
 pub mod lessons;
 pub mod page;
+pub mod recorded;
 pub mod request;
 pub mod same_bits;
 pub mod tuner;

@@ -3,6 +3,7 @@
 use crate::desk::{Choice, Desk, OWN};
 use crate::lessons;
 use crate::page::Page;
+use crate::recorded;
 use crate::same_bits;
 use crate::tuner::Tuner;
 use serde::Deserialize;
@@ -92,12 +93,26 @@ pub enum Request {
     },
     /// It goes on by one exchange.
     TuneOn,
+    /// What became of the page's own line to a board.
+    Line(Line),
     /// The hash of a long flight.
     Fingerprint {
         preset: String,
         scenario: String,
         ticks: u32,
     },
+}
+
+/// A page's own line.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Line {
+    /// A board is at its end.
+    Opened,
+    /// Broken, and why.
+    Lost(String),
+    /// The simulated board is there again.
+    Closed,
 }
 
 /// Of the supervisor.
@@ -144,10 +159,14 @@ impl Request {
 
 /// Answers a question: `{"ok": ...}` or `{"error": "why"}`.
 pub fn answer(page: &mut Page, question: &[u8]) -> Vec<u8> {
-    let Page { desk, tuner } = page;
     let request = serde_json::from_slice(question).map_err(|error| Error::Unusable(error.to_string()));
-    let answer =
-        request.and_then(|request| beside(tuner, &request).unwrap_or_else(|| at_desk(desk, request)));
+    let answer = request.and_then(|request| match request {
+        Request::Line(line) => {
+            page.at(&line);
+            Ok(Value::Null)
+        }
+        request => beside(&mut page.tuner, &request).unwrap_or_else(|| at_desk(&mut page.desk, request)),
+    });
     worded(answer).to_string().into_bytes()
 }
 
@@ -186,7 +205,11 @@ pub fn beside(tuner: &mut Option<Tuner>, request: &Request) -> Option<Outcome<Va
 /// What is wrong with it, in words.
 pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
     match request {
-        Request::About | Request::Tune { .. } | Request::TuneOn | Request::Fingerprint { .. } => {
+        Request::About
+        | Request::Tune { .. }
+        | Request::TuneOn
+        | Request::Line(_)
+        | Request::Fingerprint { .. } => {
             return Err(Error::Unusable("this is not asked of a desk".to_owned()));
         }
         Request::Begin(choice) => desk.begin(&choice)?,
@@ -234,6 +257,8 @@ fn about() -> Value {
         std::iter::once(OWN).chain(CATALOGUE.iter().map(|(name, _)| *name)).collect();
     let (columns, every) = Desk::columns();
     json!({
+        "record_bytes": recorded::MOST_BYTES,
+        "baud": twinrotor::link::BAUD,
         "version": env!("CARGO_PKG_VERSION"),
         "presets": presets::ALL.map(|(name, _)| name),
         "controllers": controllers,

@@ -172,6 +172,24 @@ async function journey() {
     assert.ok(off.time - from < 1, `${off.time - from} s`);
     await arm();
   });
+  await step("another page takes over and goes: the page says who controls", async () => {
+    const told = (/** @type {string} */ words) =>
+      browser.until(
+        `[...document.querySelectorAll("#control:not([hidden])")].some((one) =>
+          one.innerText.includes("${words}"))`,
+        5_000,
+      );
+    await browser.value(`(() => {
+      window.other = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
+      other.onopen = () => other.send(JSON.stringify({ number: 1, take: true }));
+    })()`);
+    await told("another page controls");
+    await browser.value("other.close()");
+    await told("nobody controls this board");
+    await browser.click("#take");
+    await browser.until("document.querySelector('#control').hidden", 5_000);
+    await arm();
+  });
   await step("tunes without a module of its own", async () => {
     await browser.value("document.querySelector('#search').open = true");
     await browser.click("#tune");

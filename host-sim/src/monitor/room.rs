@@ -16,12 +16,12 @@ use twinrotor_web::request::{self, Request};
 /// How long the page that controls may say nothing while motors may turn. It says something ten times a
 /// second; what else it takes to switch them off must be done within 1.5 s.
 const HEARTBEAT: Duration = Duration::from_millis(1_200);
-/// From one word to switch the motors off to the next.
-const AGAIN: Duration = Duration::from_millis(20);
 /// From one packet of samples to the next.
 const PACKET: Duration = Duration::from_millis(10);
 /// From one try to open a line again to the next.
 const REOPEN: Duration = Duration::from_secs(1);
+/// What to do about a line that is broken.
+const REMEDY: &str = "plug it in: it is opened again by itself";
 /// How long the room rests where nothing else makes it wait.
 const REST: Duration = Duration::from_millis(1);
 
@@ -63,8 +63,6 @@ pub(super) struct Room {
     /// When the page that controls was heard last; nothing until it asks something of the desk for the first
     /// time, which is when it is ready to show it.
     heard: Option<Instant>,
-    /// Motors off is being said, next then.
-    cutting: Option<Instant>,
     rows: Vec<f32>,
     packet: Instant,
     reopen: Instant,
@@ -90,7 +88,6 @@ impl Room {
             visitors: BTreeMap::new(),
             control: None,
             heard: None,
-            cutting: None,
             rows: Vec::new(),
             packet: now,
             reopen: now,
@@ -119,7 +116,7 @@ impl Room {
         }
         self.turns.then(|| match &mut self.way {
             Way::Here(_) => {
-                self.desk.cut("the program ends: motors off");
+                self.desk.request(Wanted::Disarm);
                 self.desk.advance(20);
                 !self.desk.motors_may_turn()
             }
@@ -153,7 +150,7 @@ impl Room {
             Ask::Leave(id) => {
                 self.visitors.remove(&id);
                 if self.control == Some(id) {
-                    self.cut("the page that controls was closed: motors off");
+                    self.desk.cut("the page that controls was closed: motors off");
                     self.give_control(None);
                 } else {
                     self.tell_control();
@@ -169,10 +166,8 @@ impl Room {
     }
 
     fn answer(&mut self, id: u64, request: Request) -> twinrotor_sim::Outcome<Value> {
-        if request.stops() {
-            // Anybody may, and it is said until it is seen.
-            self.cutting = Some(Instant::now() + AGAIN);
-        } else if !request.only_looks() && self.control != Some(id) {
+        // Anybody may stop it.
+        if !request.stops() && !request.only_looks() && self.control != Some(id) {
             return Err(Error::Unusable("another page controls: take over first".to_owned()));
         }
         self.turns |= request.turns();
@@ -188,7 +183,7 @@ impl Room {
     fn tell_control(&mut self) {
         let ids: Vec<u64> = self.visitors.keys().copied().collect();
         for &id in &ids {
-            let told = json!({ "controls": self.control == Some(id), "pages": ids.len() });
+            let told = json!({ "controls": self.control == Some(id), "controlled": self.control.is_some() });
             self.tell(id, Told::Text(told.to_string()));
         }
     }
@@ -204,25 +199,10 @@ impl Room {
         }
     }
 
-    /// Motors off, because of `why`, if they may turn.
-    fn cut(&mut self, why: &str) {
-        if self.cutting.is_none() && self.desk.motors_may_turn() {
-            self.desk.cut(why);
-            self.cutting = Some(Instant::now() + AGAIN);
-        }
-    }
-
-    /// Is the page that controls still there? And have the motors gone off that were to?
+    /// Is the page that controls still there?
     fn watch_over(&mut self) {
         if self.heard.is_some_and(|heard| heard.elapsed() > HEARTBEAT) {
-            self.cut("the page that controls was not heard for more than a second: motors off");
-        }
-        let Some(next) = self.cutting else { return };
-        if !self.desk.motors_may_turn() {
-            self.cutting = None;
-        } else if Instant::now() >= next {
-            self.desk.request(Wanted::Disarm);
-            self.cutting = Some(Instant::now() + AGAIN);
+            self.desk.cut("the page that controls was not heard for more than a second: motors off");
         }
     }
 
@@ -243,7 +223,7 @@ impl Room {
                 match line.exchange(&said) {
                     Ok(came) => self.desk.hear(&came),
                     Err(error) => {
-                        self.desk.line_lost(&error.to_string());
+                        self.desk.line_lost(&error.to_string(), REMEDY);
                         self.way = match std::mem::replace(&mut self.way, Way::There(String::new(), None)) {
                             Way::There(name, _) => Way::There(name, None),
                             here @ Way::Here(_) => here,

@@ -3,8 +3,9 @@
 //!
 //! The page's modules keep to the little that this reads: `import { a, b } from "./x.js";`, and `export`
 //! before a `class`, `const`, `function` or `async function`, both at the beginning of a line. Comments that
-//! are lines of their own are left out.
+//! are lines of their own are left out, and what `/** ... */` says of types within a line.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// A module's name and text.
@@ -30,11 +31,13 @@ fn add(modules: &[Module], name: &str, there: &mut BTreeSet<String>, script: &mu
     let module = module.unwrap_or_else(|| panic!("the page has no module {name}"));
     let (mut body, mut exports) = (String::new(), Vec::new());
     for line in code(module.text) {
+        let line = bare(line);
+        let line = line.as_ref();
         if let Some((names, from)) = import(line) {
             add(modules, from, there, script);
             body.push_str(&format!("const {{{names}}} = {};\n", variable(from)));
         } else if let Some(rest) = line.strip_prefix("export ") {
-            exports.push(declared(rest));
+            exports.push(declared(rest).to_owned());
             body.push_str(rest);
             body.push('\n');
         } else {
@@ -56,6 +59,13 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
         within = (within || begins) && !line.contains("*/");
         !(comment || line.is_empty() || line.starts_with("//"))
     })
+}
+
+/// A line without `/** ... */`.
+fn bare(line: &str) -> Cow<'_, str> {
+    let Some((before, rest)) = line.split_once("/**") else { return line.into() };
+    let Some((_, after)) = rest.split_once("*/") else { return line.into() };
+    (before.to_owned() + &bare(after.trim_start())).into()
 }
 
 /// What a line imports, and from where.
@@ -84,7 +94,7 @@ mod tests {
     #[test]
     fn what_is_needed_comes_first_and_once() {
         let adds = "/** Adds.\n * @param {number} x\n */\nexport function f(x) {\n  // One more.\n  \
-                    return x + c;\n}\n";
+                    return /** @type {number} */ (x) + /** @type {any} */ (c);\n}\n";
         let both = "import { f } from \"./b-b.js\";\nimport { c } from \"./c.js\";\nf(c);\n";
         let b = String::from("import { c } from \"./c.js\";\n") + adds;
         let modules = [
@@ -101,7 +111,7 @@ mod tests {
             "const module_b_b = (() => {",
             "const { c } = module_c;",
             "function f(x) {",
-            "return x + c;",
+            "return (x) + (c);",
             "}",
             "return { f };",
             "})();",

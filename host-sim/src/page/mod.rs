@@ -15,7 +15,7 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 22] = modules![
+const MODULES: [Module; 24] = modules![
     "app.js",
     "attempt.js",
     "base85.js",
@@ -30,9 +30,11 @@ const MODULES: [Module; 22] = modules![
     "machine.js",
     "matrix.js",
     "mesh.js",
+    "player.js",
     "plots.js",
     "rig.js",
     "search.js",
+    "serial.js",
     "settings.js",
     "socket.js",
     "steps.js",

@@ -78,6 +78,8 @@ pub(crate) struct Operator {
     columns: Vec<String>,
     rows: Vec<f32>,
     pub(crate) controls: bool,
+    /// Some page does, as it was told.
+    pub(crate) controlled: bool,
 }
 
 impl Operator {
@@ -88,7 +90,8 @@ impl Operator {
         let stream = TcpStream::connect(&host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let (socket, _) = tungstenite::client(request, stream).unwrap();
-        let mut page = Self { socket, number: 0, columns: Vec::new(), rows: Vec::new(), controls: false };
+        let (columns, rows) = (Vec::new(), Vec::new());
+        let mut page = Self { socket, number: 0, columns, rows, controls: false, controlled: false };
         let about = page.ask(&json!("about")).unwrap();
         let columns = about["columns"].as_array().unwrap().iter();
         page.columns = columns.map(|column| column["name"].as_str().unwrap().to_owned()).collect();
@@ -118,6 +121,7 @@ impl Operator {
                     let told: Value = serde_json::from_str(&text).unwrap();
                     if let Some(controls) = told["controls"].as_bool() {
                         self.controls = controls;
+                        self.controlled = told["controlled"] == true;
                     } else if told["number"] == json!(self.number) {
                         return match told["error"].as_str() {
                             Some(error) => Err(error.to_owned()),

@@ -44,14 +44,39 @@ impl Desk {
         self.listen(bytes, self.now());
     }
 
+    /// What came over the line by `now`, and what is to be said over it then. [`Desk::samples`] has what came
+    /// in it.
+    pub fn exchange(&mut self, came: &[u8], now: Duration) -> Vec<u8> {
+        self.samples.clear();
+        self.ticks = u64::try_from(now.as_millis()).unwrap_or(u64::MAX);
+        self.hear(came);
+        self.say()
+    }
+
+    /// The simulated board alone, for an operator elsewhere: what it says to what was said to it, after so
+    /// many ticks.
+    ///
+    /// # Errors
+    ///
+    /// If the board is at a line itself.
+    pub fn serve(&mut self, said: &[u8], ticks: u32) -> Outcome<Vec<u8>> {
+        let begun = self.ticks;
+        self.ticks += u64::from(ticks);
+        let bench = self.bench()?;
+        let mut said = said;
+        let exchange = |tick| bench.exchange(std::mem::take(&mut said), begun + u64::from(tick));
+        Ok((0..ticks).flat_map(exchange).collect())
+    }
+
     /// Rows of samples since the last time they were taken.
     pub fn take_samples(&mut self) -> Vec<f32> {
         std::mem::take(&mut self.samples)
     }
 
-    /// The line is broken, and why.
-    pub fn line_lost(&mut self, why: &str) {
-        let told = format!("the line to the board failed: {why}; plug it in: it is opened again by itself");
+    /// The line is broken: why, and what to do.
+    pub fn line_lost(&mut self, why: &str, remedy: &str) {
+        let unseen = if self.motors_may_turn() { "; that its motors are off was not seen" } else { "" };
+        let told = format!("the line to the board failed: {why}{unseen}; {remedy}");
         if self.trouble.as_ref() != Some(&told) {
             self.journal.trouble(self.ticks, told.clone());
         }
@@ -60,23 +85,16 @@ impl Desk {
 
     /// The line is there again: whoever is at its end is asked who it is.
     pub fn line_found(&mut self) {
-        let number = self.number + 1;
-        let journal = std::mem::take(&mut self.journal);
-        *self = Self { number, journal, ticks: self.ticks, heard: self.ticks, ..Self::at_a_line() };
+        let ticks = self.ticks;
+        self.turn_to(Self { ticks, heard: ticks, ..Self::at_a_line() });
         self.client.ask(Question::Identify, self.now());
         self.journal.note(self.ticks, "the line is open again");
     }
 
-    /// May its motors turn, as far as is known?
-    #[must_use]
-    pub fn motors_may_turn(&self) -> bool {
-        self.frame.is_some_and(|frame| frame.state.motors_may_turn())
-    }
-
-    /// Motors off, because of `why`.
-    pub fn cut(&mut self, why: &str) {
-        self.journal.trouble(self.ticks, why);
-        self.request(Request::Disarm);
+    /// Another board; what happened with those before is still told.
+    pub fn turn_to(&mut self, other: Self) {
+        let (number, journal) = (self.number + 1, std::mem::take(&mut self.journal));
+        *self = Self { number, journal, ..other };
     }
 
     /// A simulated desk anew; the next board that is seen.
@@ -90,8 +108,7 @@ impl Desk {
                 "the rig is what the board's record says; host-sim flash --port writes another".to_owned(),
             ));
         }
-        let number = self.number + 1;
-        *self = Self { number, ..Self::new(choice)? };
+        self.turn_to(Self::new(choice)?);
         Ok(())
     }
 

@@ -74,6 +74,8 @@ pub struct Desk {
     trouble: Option<String>,
     /// Since when a zero is wanted, and when the board is asked for it again.
     zeroing: Option<(u64, u64)>,
+    /// Motors off is said until it is seen, next in this tick.
+    cutting: Option<u64>,
     flying: Option<Flying>,
     flights: Flights,
     tuning: Tuning,
@@ -131,6 +133,7 @@ impl Desk {
             heard: 0,
             trouble: None,
             zeroing: None,
+            cutting: None,
             flying: None,
             flights: Flights::default(),
             tuning,
@@ -173,6 +176,7 @@ impl Desk {
             self.unanswered(&error);
         }
         self.zero_again();
+        self.cut_again();
         self.client.take_outgoing()
     }
 

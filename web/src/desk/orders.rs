@@ -19,6 +19,8 @@ use twinrotor_station::words;
 /// \[ticks\] From one wish for a zero to the next, and for how long at most: a rig swings for a while.
 const ZERO_EVERY: u64 = 1_000;
 const LONGEST_REST: u64 = 60_000;
+/// \[ticks\] From one word to switch the motors off to the next: a line may lose one.
+const CUT_EVERY: u64 = 20;
 
 impl Desk {
     /// The operator wants something of the supervisor.
@@ -28,8 +30,32 @@ impl Desk {
         }
         if request == Request::Disarm {
             (self.flying, self.zeroing) = (None, None);
+            self.cutting = Some(self.ticks + CUT_EVERY);
         }
         self.client.request(request);
+    }
+
+    /// May its motors turn, as far as is known?
+    #[must_use]
+    pub fn motors_may_turn(&self) -> bool {
+        self.frame.is_some_and(|frame| frame.state.motors_may_turn())
+    }
+
+    /// Motors off, because of `why`, if they may turn and are not being switched off already.
+    pub fn cut(&mut self, why: &str) {
+        if self.cutting.is_none() && self.motors_may_turn() {
+            self.journal.trouble(self.ticks, why);
+            self.request(Request::Disarm);
+        }
+    }
+
+    /// Motors off is said again until it is seen.
+    pub(super) fn cut_again(&mut self) {
+        match self.cutting {
+            Some(_) if !self.motors_may_turn() => self.cutting = None,
+            Some(next) if self.ticks >= next => self.request(Request::Disarm),
+            _ => {}
+        }
     }
 
     /// To take where the rig lies for its rest pose, as soon as it lies still.

@@ -182,3 +182,73 @@ fn rows_come_two_hundred_times_a_second_and_tell_the_time() {
     let times: Vec<f32> = page.desk.samples().iter().step_by(width).copied().collect();
     assert!(times.windows(2).all(|two| (two[1] - two[0] - 0.005).abs() < 1e-5), "{times:?}");
 }
+
+/// An operator at a line, at whose other end a desk serves its simulated board, `step` ticks at a time.
+struct AtALine {
+    page: Page,
+    board: Page,
+    now: u64,
+    said: Vec<u8>,
+}
+
+impl AtALine {
+    fn new(preset: &str) -> Self {
+        let (mut page, mut board) = (Page::new(), Page::new());
+        ask(&mut board, &json!({ "begin": { "preset": preset, "controller": "own" } })).unwrap();
+        ask(&mut page, &json!({ "line": "opened" })).unwrap();
+        Self { page, board, now: 0, said: Vec::new() }
+    }
+
+    /// Until it is so; where it is.
+    fn until(&mut self, most: u64, what: &str, done: impl Fn(&Value) -> bool) -> Value {
+        for _ in 0..most.div_ceil(10) {
+            let came = self.board.desk.serve(&self.said, 10).unwrap();
+            self.now += 10;
+            self.said = self.page.desk.exchange(&came, std::time::Duration::from_millis(self.now));
+            let status = status(&mut self.page);
+            if done(&status) {
+                return status;
+            }
+        }
+        panic!("{what}: {}", status(&mut self.page));
+    }
+
+    fn state(&mut self, most: u64, state: &str) -> Value {
+        self.until(most, state, |status| status["state"] == state)
+    }
+
+    fn ask(&mut self, request: &Value) -> Value {
+        ask(&mut self.page, request).unwrap()
+    }
+}
+
+#[test]
+fn a_board_at_a_line_of_the_page_is_flown_stopped_and_missed() {
+    let mut line = AtALine::new("aero");
+    line.until(2_000, "connected", |status| status["next"] == "check" && status["simulated"] == false);
+    line.ask(&json!({ "supervisor": "check" }));
+    line.until(120_000, "checked", |status| status["next"] == "zero");
+    line.ask(&json!("zero"));
+    line.state(61_000, "ready");
+    line.ask(&json!({ "supervisor": "arm" }));
+    line.state(500, "armed");
+    line.ask(&json!({ "fly": { "scenario": "step" } }));
+    line.until(40_000, "flown", |status| status["flights"] == 1);
+    let ise = line.ask(&json!("flights"))[0]["report"]["pitch"]["ise"].as_f64().unwrap();
+    assert!(ise > 0.0 && ise < 1.0, "{ise}");
+    // What the line loses of the word to stop is said again.
+    line.ask(&json!({ "supervisor": "disarm" }));
+    line.page.desk.exchange(&[], std::time::Duration::from_millis(line.now));
+    line.state(100, "ready");
+    line.ask(&json!({ "supervisor": "arm" }));
+    line.state(500, "armed");
+    line.ask(&json!({ "line": { "lost": "The device has been lost" } }));
+    line.page.desk.exchange(&[], std::time::Duration::from_millis(line.now + 300));
+    let lost = status(&mut line.page);
+    let told = lost["trouble"].as_str().unwrap();
+    assert!(lost["silent"] == true && told.contains("lost; that its motors are off was not seen"), "{told}");
+    line.ask(&json!({ "line": "closed" }));
+    wait(&mut line.page, 2_000, "simulated", |status| {
+        status["simulated"] == true && status["trouble"].is_null() && status["next"] == "check"
+    });
+}
