@@ -85,7 +85,7 @@ fn a_picture_in_pixels_has_nothing_outside_its_panels() {
     assert!(differ > 10_000, "{differ} pixels of lines");
 }
 
-/// The same range of values, drawn as two points: at the lower end, at the upper end.
+/// The same range of values from fewer points: the two ends of the range, and the last.
 #[cfg(feature = "png")]
 fn flatten(line: &mut Line) {
     let ends = [line.points[0], line.points[1], line.points[line.points.len() - 1]];

@@ -74,7 +74,12 @@ fn board(stored: bool) -> SimulatedBoard {
 impl Served {
     /// Over TCP; `stored` is whether the board has been written and checked before.
     pub(crate) fn over_tcp(stored: bool, mishap: Mishap) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        Self::listening("127.0.0.1:0", stored, mishap)
+    }
+
+    /// At an address, as where another board was before.
+    pub(crate) fn listening(at: &str, stored: bool, mishap: Mishap) -> Self {
+        let listener = TcpListener::bind(at).unwrap();
         let port = format!("tcp://{}", listener.local_addr().unwrap());
         Self::spawn(port, move |goes_on| {
             let (line, _) = listener.accept().unwrap();

@@ -178,3 +178,21 @@ fn what_is_wrong_with_a_board_is_told_with_what_to_do() {
         assert!(!served.turns(), "{mishap:?}");
     }
 }
+
+/// A cable that is pulled and plugged in again: the line is opened by itself, and the board flies once more.
+#[test]
+fn a_line_that_broke_is_opened_again_and_the_board_flies() {
+    let served = Served::over_tcp(true, Mishap::HangUp);
+    let (port, at) = (served.port.clone(), served.port.replace("tcp://", ""));
+    let program = Program::start(&["--port", &port]);
+    let mut page = Operator::enter(&program);
+    page.fly();
+    page.wait("the break is told", |status| status["trouble"].is_string());
+    assert!(!served.turns());
+    let again = Served::listening(&at, true, Mishap::None);
+    page.fly();
+    page.ask(&json!({ "supervisor": "disarm" })).unwrap();
+    page.reach("ready");
+    drop(program);
+    assert!(!again.turns());
+}
