@@ -1,10 +1,18 @@
-# Sourced: `example FILE.md` runs every line of the shell blocks of a document in the folder that it is called
-# in, with the programs as they are built. `cargo run --release -p host-sim [--] ...` and `cargo board ...` in
-# them are those.
+# Sourced from the top folder: builds the programs and goes to an empty folder, in which `example FILE.md` runs
+# every line of the shell blocks of a document. `cargo run --release -p host-sim [--] ...` and `cargo board ...`
+# in them are what was built.
+cargo build --release -p host-sim
+cargo build --release --ignore-rust-version --manifest-path tests/virtual-board/Cargo.toml
 root=$PWD
 virtual_board=${CARGO_TARGET_DIR:-$root/tests/virtual-board/target}/release/virtual-board
 host_sim=${CARGO_TARGET_DIR:-$root/target}/release/host-sim
 export TWINROTOR_ELF=${TWINROTOR_ELF:-$root/target/thumbv7em-none-eabihf/firmware/firmware}
+
+folder=$(mktemp -d)
+# A board in the background ends with the script.
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$folder"' EXIT
+cd "$folder"
+ln -s "$root/gains" "$root/scenarios" .
 
 cargo() {
   case $1 in

@@ -3,15 +3,8 @@
 # constants near those of the rig that made the logs, and gains that fly the example's own scenario on it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build --release -p host-sim
-cargo build --release --ignore-rust-version --manifest-path tests/virtual-board/Cargo.toml
 . scripts/example.sh
 
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-ln -s "$root/gains" gains
-ln -s "$root/scenarios" scenarios
 example docs/identify.md
 
 "$host_sim" simulate --preset my.toml --true-rig aero-lab --fidelity rig --gains my-gains.toml \

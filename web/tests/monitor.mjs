@@ -9,6 +9,7 @@ import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { Chromium, installed } from "./chromium.mjs";
+import { delayOfStop } from "./stop.mjs";
 
 const [hostSim, seconds = "60", screenshots] = process.argv.slice(2);
 const program = installed();
@@ -143,16 +144,7 @@ async function journey() {
     for (const key of [" ", "Escape"]) {
       // To have measured a page, or to have made its picture, may have kept it from saying that it is there.
       await arm();
-      const delay = await browser.value(`new Promise((done) => {
-        const pressed = performance.now();
-        document.dispatchEvent(new KeyboardEvent("keydown", { key: ${JSON.stringify(key)}, bubbles: true }));
-        const look = () => {
-          const { main_volts, tail_volts } = window.twinrotor.samples.row();
-          if (main_volts === 0 && tail_volts === 0) done(performance.now() - pressed);
-          else setTimeout(look, 1);
-        };
-        look();
-      })`);
+      const delay = await delayOfStop(browser, key);
       console.log(`    ${JSON.stringify(key)}: ${delay.toFixed(0)} ms`);
       assert.ok(delay < 100, `${JSON.stringify(key)}: ${delay} ms`);
     }

@@ -9,6 +9,7 @@ import { readFileSync, mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Chromium, installed } from "./chromium.mjs";
+import { delayOfStop } from "./stop.mjs";
 
 const [page, fingerprints, gains, screenshots] = process.argv.slice(2);
 const program = installed();
@@ -92,16 +93,7 @@ async function journey() {
     for (const key of [" ", "Escape"]) {
       await ask({ aim: { pitch_deg: 15, yaw_deg: 0 } });
       await sooner("Math.abs(window.twinrotor.samples.row().main_volts) > 1", 20_000);
-      const delay = await browser.value(`new Promise((done) => {
-        const pressed = performance.now();
-        document.dispatchEvent(new KeyboardEvent("keydown", { key: ${JSON.stringify(key)}, bubbles: true }));
-        const look = () => {
-          const { main_volts, tail_volts } = window.twinrotor.samples.row();
-          if (main_volts === 0 && tail_volts === 0) done(performance.now() - pressed);
-          else setTimeout(look, 1);
-        };
-        look();
-      })`);
+      const delay = await delayOfStop(browser, key);
       assert.ok(delay < 100, `${JSON.stringify(key)}: ${delay} ms`);
       await sooner("document.querySelector('#state').textContent !== 'armed'", 10_000);
       await enabled("arm", 20_000);

@@ -119,13 +119,16 @@ fn a_page_that_is_closed_or_says_nothing_any_more_is_missed_in_time() {
 #[cfg(unix)]
 #[test]
 fn a_signal_ends_it_with_the_motors_seen_off() {
-    let served = Served::over_tcp(true, Mishap::None);
-    let mut program = Program::start(&["--port", &served.port]);
-    let mut page = Operator::enter(&program);
-    page.fly();
-    let (status, told) = program.signal("TERM");
-    assert_eq!((status, told.trim()), (Some(130), "error: interrupted; the motors were seen to be off"));
-    assert!(!served.turns());
+    for signal in ["TERM", "HUP", "INT"] {
+        let served = Served::over_tcp(true, Mishap::None);
+        let mut program = Program::start(&["--port", &served.port]);
+        let mut page = Operator::enter(&program);
+        page.fly();
+        let (status, told) = program.signal(signal);
+        let seen = "error: interrupted; the motors were seen to be off";
+        assert_eq!((status, told.trim()), (Some(130), seen), "{signal}");
+        assert!(!served.turns(), "{signal}");
+    }
     let mut idle = Program::start(&["--port", "sim"]);
     let (status, _) = idle.signal("INT");
     assert_eq!(status, Some(130));
