@@ -1,6 +1,6 @@
-# Sourced from the top folder: builds the programs and goes to an empty folder, in which `example FILE.md` runs
-# every line of the shell blocks of a document. `cargo run --release -p host-sim [--] ...` and `cargo board ...`
-# in them are what was built.
+# Sourced from the top folder: builds the programs and goes to an empty folder, in which `example FILE.md`
+# runs every line of the shell blocks of a document. `cargo run --release -p host-sim [--] ...` and
+# `cargo board ...` in them are what was built.
 cargo build --release -p host-sim
 cargo build --release --ignore-rust-version --manifest-path tests/virtual-board/Cargo.toml
 root=$PWD
