@@ -152,3 +152,18 @@ fn rounds_go_on_from_the_best_so_far_and_within_less() {
     // Even random points converge when the box follows them.
     assert!(costs.last().unwrap() < &1e-3, "{:?}", costs.last());
 }
+
+/// After some eighty rounds the reach is lost beside the last digit of what was found: that is the end.
+#[test]
+fn rounds_end_where_no_number_lies_between() {
+    let setup = Setup { algorithm: Algorithm::Random, population: None, evaluations: 3 };
+    let mut rounds = Rounds::new(setup, 1_000, 4, 6.0, 3);
+    while let asked = rounds.ask()
+        && !asked.is_empty()
+    {
+        rounds.tell(&asked.iter().map(|c| sphere(&c.position)).collect::<Vec<_>>());
+    }
+    let evaluations = rounds.evaluations();
+    assert!((150..=400).contains(&evaluations), "{evaluations} of {}", rounds.budget());
+    assert!(rounds.ask().is_empty() && rounds.best().unwrap().cost.is_finite());
+}

@@ -68,9 +68,10 @@ impl Rounds {
         Draws::new(self.seed.wrapping_mul(1000).wrapping_add(round))
     }
 
-    fn begin(&self, center: &[f64]) -> Searcher {
+    /// Nothing where the reach is lost beside the last digit of the centre: there is nothing left to search.
+    fn begin(&self, center: &[f64]) -> Option<Searcher> {
         let bounds = Bounds::new(center.iter().map(|c| [c - self.reach, c + self.reach]).collect());
-        self.setup.start(bounds.expect("a range around finite numbers"), self.draws(self.round))
+        Some(self.setup.start(bounds.ok()?, self.draws(self.round)))
     }
 }
 
@@ -92,7 +93,7 @@ impl Optimiser for Rounds {
         if self.round == self.rounds {
             return Vec::new();
         }
-        let mut search = self.begin(&center);
+        let Some(mut search) = self.begin(&center) else { return Vec::new() };
         let asked = search.ask();
         self.search = Some(search);
         self.round += 1;
