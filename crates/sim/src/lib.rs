@@ -21,6 +21,7 @@ pub mod metrics;
 pub mod operation_count;
 pub mod rig;
 pub mod scenario;
+pub mod table;
 pub mod toml;
 
 pub use error::{Error, Outcome};

@@ -174,13 +174,18 @@ impl Iterator for Befalls {
     }
 }
 
-/// A scenario that befalls a simulated rig whose board is flown by somebody else.
+/// A scenario that befalls a simulated rig whose board is flown by somebody else. Where nothing of it changes
+/// it leaves the rig as it is: what is injected beside it stays.
 #[derive(Debug, Clone)]
 pub struct Befallen {
     befalls: Befalls,
     plant: PlantParameters<f64>,
     /// \[V\] As it should be.
     supply: f32,
+    /// What has befallen it last.
+    before: Now,
+    /// The plant is another than it was.
+    changed: bool,
     /// Ticks that have befallen it.
     done: u32,
     end: u32,
@@ -193,6 +198,8 @@ impl Befallen {
             befalls: scenario.befalls(seed),
             plant: rig.plant,
             supply: bench.supply,
+            before: Now::nothing(),
+            changed: false,
             done: 0,
             end: scenario.last_tick() + 1,
         }
@@ -210,26 +217,34 @@ impl Befallen {
             let now = self.befalls.next().expect("there is no end to it");
             if let Some(change) = &now.change {
                 bench.become_plant(&change.of(&self.plant).map(f32::from_f64));
+                self.changed = true;
             }
             last = Some(now);
             self.done += 1;
         }
         if tick >= self.end {
-            self.leave(bench);
+            self.become_now(bench, Now::nothing());
+            if std::mem::take(&mut self.changed) {
+                bench.become_plant(&self.plant.map(f32::from_f64));
+            }
         } else if let Some(now) = last {
-            bench.disturbance = now.volts.cast();
-            bench.set_load(now.torque.cast());
-            bench.worn.set_noise(now.noise.cast());
-            bench.supply = now.supply(self.supply);
+            self.become_now(bench, now);
         }
     }
 
-    /// Nothing disturbs the rig any more.
-    fn leave(&self, bench: &mut Bench<f32>) {
-        bench.disturbance = PerMotor::zero();
-        bench.set_load(PerAxis::zero());
-        bench.worn.set_noise(PerAxis::zero());
-        bench.supply = self.supply;
-        bench.become_plant(&self.plant.map(f32::from_f64));
+    fn become_now(&mut self, bench: &mut Bench<f32>, now: Now) {
+        if now.volts != self.before.volts {
+            bench.disturbance = now.volts.cast();
+        }
+        if now.torque != self.before.torque {
+            bench.set_load(now.torque.cast());
+        }
+        if now.noise != self.before.noise {
+            bench.worn.set_noise(now.noise.cast());
+        }
+        if now.supply != self.before.supply {
+            bench.supply = now.supply(self.supply);
+        }
+        self.before = now;
     }
 }

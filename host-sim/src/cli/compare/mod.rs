@@ -7,7 +7,7 @@ use super::common::{Common, Spreads, no_effect, pair, truth, within};
 use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
-use crate::files::export::{self, Column, Table};
+use crate::files::export;
 use crate::files::output::{self, Outputs};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,7 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::table::{Column, Table};
 use twinrotor_tune::design::{self, CATALOGUE, Design};
 use twinrotor_tune::parallel::NEVER;
 use twinrotor_tune::robust::{self, Row, Scatter, SceneRow, Score, Trial, Tuning};
@@ -112,7 +113,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         .collect();
     if let Some(path) = &args.export {
         let names = controllers.iter().map(|(name, _)| name.as_str());
-        outputs.write(path, &flights(names.zip(&scores)).bytes(path)?);
+        outputs.write(path, &export::bytes(&flights(names.zip(&scores)), path)?);
     }
     if args.common.json {
         print_json(&Document {
