@@ -57,7 +57,7 @@ SIGNALS = [
         ["serial_out", "serial_in"],
         "{serial}: 1,000,000 baud, 8N1, 3.3 V. On a Nucleo board this is the ST-LINK's port",
     ),
-    ("status LED", ["led"], "output, high is on"),
+    ("status LED", ["led"], "output, high is on; the Black Pill's is lit by a low level"),
 ]
 DIAGRAM = """\
             +5V   GND                                     12..30 V

@@ -7,7 +7,7 @@ use crate::clock::Clock;
 use crate::critical::BELOW_TICK;
 use crate::port::Port;
 use crate::receiver::Receiver;
-use crate::{flash_cache, oscillator};
+use crate::{flash_cache, led, oscillator};
 use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::mode::Async;
@@ -46,7 +46,10 @@ pub(crate) fn start() -> Board {
     let clock = Clock::new(parts.pwm_timer, parts.stopwatch);
     let enable = Output::new(parts.enable, Level::Low, Speed::Low);
     #[cfg(feature = "simulated")]
-    let port = Port::start(enable);
+    let port = {
+        crate::pins::hold_button();
+        Port::start(enable)
+    };
     #[cfg(not(feature = "simulated"))]
     let port = {
         use crate::emergency_stop;
@@ -105,7 +108,7 @@ pub(crate) fn start() -> Board {
         port,
         serial_out: serial_out.expect("the baud rate can be had from the clock"),
         serial_in: Receiver::start::<Serial, _, _>(parts.serial_in, &parts.serial_in_dma),
-        led: Output::new(parts.led, Level::Low, Speed::Low),
+        led: Output::new(parts.led, led::level(false), Speed::Low),
         flash: Flash::new_blocking(parts.flash).into_blocking_regions().bank1_region1,
     }
 }

@@ -3,13 +3,13 @@
 #[path = "../src/boards/mod.rs"]
 mod boards;
 
-use boards::{Board, INTERNAL_HZ, Pin, Source, Stream, f405, f407, nucleo_f411, nucleo_f446};
+use boards::{Board, INTERNAL_HZ, Pin, Source, Stream, black_pill, f405, f407, nucleo_f411, nucleo_f446};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use twinrotor::plant::presets;
 
-const ALL: [Board; 4] = [f405::BOARD, f407::BOARD, nucleo_f411::BOARD, nucleo_f446::BOARD];
+const ALL: [Board; 5] = [f405::BOARD, f407::BOARD, black_pill::BOARD, nucleo_f411::BOARD, nucleo_f446::BOARD];
 
 fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path))
@@ -128,9 +128,26 @@ fn every_pin_has_one_signal_and_no_probe_on_it() {
         }
         // The interrupt of EXTI lines 10 to 15 is the one that is listened to.
         assert!(Pin::named(board.wiring.emergency_stop).number >= 10, "{}", board.known.name);
-        // STM32F4 datasheets: ADC1's channels 10 to 15 are PC0 to PC5.
+        // STM32F4 datasheets: ADC1's channels 0 to 7 are PA0 to PA7, 8 and 9 PB0 and PB1, 10 to 15 PC0 to PC5.
         let supply = Pin::named(board.wiring.supply);
-        assert_eq!((supply.port, supply.number + 10), (2, board.supply_channel), "{}", board.known.name);
+        let channel = supply.number + [0, 8, 10][usize::from(supply.port)];
+        assert_eq!(channel, board.supply_channel, "{}", board.known.name);
+    }
+}
+
+/// STM32F411xC/E datasheet DS10314, table 8, the package of 48 pins: all of port A, B without 2 (BOOT1) and 11,
+/// C from 13 on. PA12 is USB's. A compiler for the F411RE would take more.
+#[test]
+fn the_black_pill_has_the_pins_that_it_uses() {
+    for (signal, pin) in pins(&black_pill::BOARD) {
+        let Pin { port, number } = Pin::named(pin);
+        let has = match port {
+            0 => number != 12,
+            1 => number != 2 && number != 11,
+            2 => number >= 13,
+            _ => false,
+        };
+        assert!(has, "{signal}: {pin}");
     }
 }
 
@@ -216,6 +233,7 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     let config = words.join(" ");
     for (board, features) in [
         (f405::BOARD, "simulated"),
+        (black_pill::BOARD, "black-pill,simulated"),
         (nucleo_f411::BOARD, "nucleo-f411,simulated"),
         (nucleo_f446::BOARD, "nucleo-f446,simulated"),
     ] {
@@ -238,14 +256,15 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     }
 }
 
-/// UM1724 (Nucleo-64), 6.6: B1 pulls PC13 to ground. UM1472 (F4-Discovery), 6.4: B1 puts VDD on PA0.
+/// UM1724 (Nucleo-64), 6.6: B1 pulls PC13 to ground. UM1472 (F4-Discovery), 6.4: B1 puts VDD on PA0. The Black
+/// Pill's schematic: KEY pulls PA0 to ground.
 #[test]
 fn a_button_is_on_a_pin_of_a_port_that_all_chips_have() {
     for board in ALL {
         let Some(button) = board.button else { continue };
         let pin = Pin::named(button.pin);
         assert!(pin.port < 4, "{}: {}", board.known.name, button.pin);
-        assert_eq!(button.pressed_high, !board.known.name.starts_with("nucleo"), "{}", board.known.name);
+        assert_eq!(button.pressed_high, board.known.name == "f407", "{}", board.known.name);
         let w = &board.wiring;
         assert!(![w.serial_out, w.serial_in, w.led, w.enable].contains(&button.pin), "{}", board.known.name);
     }

@@ -19,18 +19,20 @@ pub(crate) struct Board {
     /// \[ns\] Between the two outputs of a half bridge, neither is on.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) dead_time_ns: u32,
-    /// ADC1's channel at [`Wiring::supply`], 10 to 15.
+    /// ADC1's channel at [`Wiring::supply`], 0 to 15.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) supply_channel: u8,
     /// \[V\] The amplifiers' supply at the converter's full scale.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) supply_full_scale: f32,
-    /// The user button, the emergency stop of a simulated rig. It has a resistor on the board.
+    /// The user button, the emergency stop of a simulated rig.
     #[cfg_attr(
         all(target_os = "none", not(feature = "simulated")),
         expect(dead_code, reason = "of a simulated rig alone")
     )]
     pub(crate) button: Option<Button>,
+    /// The level that lights the status LED.
+    pub(crate) lit_high: bool,
     /// What is connected where.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) wiring: Wiring,
@@ -186,7 +188,7 @@ pub(crate) struct Wiring {
     pub(crate) current_limit: &'static str,
     /// The amplifiers' supply, divided.
     pub(crate) supply: &'static str,
-    /// The status LED: high is on.
+    /// The status LED.
     pub(crate) led: &'static str,
 }
 
@@ -343,6 +345,8 @@ macro_rules! wiring {
     };
 }
 
+#[cfg(any(feature = "black-pill", not(target_os = "none")))]
+pub(crate) mod black_pill;
 #[cfg(any(feature = "f405", not(target_os = "none")))]
 pub(crate) mod f405;
 #[cfg(any(feature = "f407", not(target_os = "none")))]
@@ -352,6 +356,8 @@ pub(crate) mod nucleo_f411;
 #[cfg(any(feature = "nucleo-f446", not(target_os = "none")))]
 pub(crate) mod nucleo_f446;
 
+#[cfg(all(target_os = "none", feature = "black-pill"))]
+pub(crate) use black_pill::*;
 #[cfg(all(target_os = "none", feature = "f405"))]
 pub(crate) use f405::*;
 #[cfg(all(target_os = "none", feature = "f407"))]

@@ -68,7 +68,12 @@ impl Senses {
         const CHANNEL: u8 = BOARD.supply_channel;
         let volts_per_code = BOARD.supply_full_scale / 4095.0 * own_supply(&adc);
         // 84 + 12 cycles of a quarter of the APB2's clock, at most 21 MHz: 4.6 µs, long enough for 9 k ohm.
-        CONVERTER.smpr1().modify(|w| w.set_smp(usize::from(CHANNEL) - 10, SampleTime::CYCLES84));
+        const PLACE: usize = CHANNEL as usize % 10;
+        if CHANNEL < 10 {
+            CONVERTER.smpr2().modify(|w| w.set_smp(PLACE, SampleTime::CYCLES84));
+        } else {
+            CONVERTER.smpr1().modify(|w| w.set_smp(PLACE, SampleTime::CYCLES84));
+        }
         CONVERTER.sqr3().modify(|w| w.set_sq(0, CHANNEL));
         CONVERTER.cr2().modify(|w| w.set_swstart(true));
         Self {
