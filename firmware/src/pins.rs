@@ -62,8 +62,8 @@ const BUTTON: Option<(Pin, Idr)> = match BOARD.button {
     None => None,
 };
 
-/// Not every board has a resistor that holds its button's pin at the level of one that is not pressed: the one
-/// inside does.
+/// Not every board has a resistor that holds its button's pin at the level of one that is not pressed: the
+/// one inside does.
 #[cfg(feature = "simulated")]
 pub(crate) fn hold_button() {
     if let Some((pin, pressed)) = BUTTON {

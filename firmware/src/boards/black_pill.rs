@@ -1,6 +1,6 @@
-//! WeAct Black Pill: an STM32F411CE in its package of 48 pins, with a 25 MHz crystal. Its key, which no resistor
-//! holds, is at PA0, its LED at PC13 is lit by a low level, and PA11 and PA12 are its USB connector's. The chip
-//! is the Nucleo's as far as a program goes, and is compiled as that one.
+//! WeAct Black Pill: an STM32F411CE in its package of 48 pins, with a 25 MHz crystal. Its key, which no
+//! resistor holds, is at PA0, its LED at PC13 is lit by a low level, and PA11 and PA12 are its USB
+//! connector's. The chip is the Nucleo's as far as a program goes, and is compiled as that one.
 
 use super::{Board, Button, Clocks, Source};
 use twinrotor::board;

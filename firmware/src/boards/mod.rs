@@ -215,12 +215,12 @@ impl Pin {
     }
 }
 
-/// A DMA stream, by numbers.
+/// A DMA stream, or channel, by numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Stream {
     /// 1 or 2.
     pub(crate) controller: u8,
-    /// 0 to 7.
+    /// As it is named: 0 to 7.
     pub(crate) number: u8,
 }
 
@@ -232,30 +232,6 @@ impl Stream {
         let (controller, number) = (bytes[3] - b'0', bytes[7] - b'0');
         assert!((controller == 1 || controller == 2) && number < 8);
         Self { controller, number }
-    }
-}
-
-#[cfg(target_os = "none")]
-impl Stream {
-    const fn unit(self) -> embassy_stm32::pac::dma::Dma {
-        if self.controller == 1 { embassy_stm32::pac::DMA1 } else { embassy_stm32::pac::DMA2 }
-    }
-
-    /// Its registers.
-    pub(crate) const fn registers(self) -> embassy_stm32::pac::dma::St {
-        self.unit().st(self.number as usize)
-    }
-
-    /// Takes back what its flags say, without which it does not start.
-    pub(crate) fn forget_flags(self) {
-        let (half, place) = (usize::from(self.number / 4), usize::from(self.number % 4));
-        self.unit().ifcr(half).write(|w| {
-            w.set_feif(place, true);
-            w.set_dmeif(place, true);
-            w.set_teif(place, true);
-            w.set_htif(place, true);
-            w.set_tcif(place, true);
-        });
     }
 }
 
@@ -355,6 +331,8 @@ pub(crate) mod f407;
 pub(crate) mod nucleo_f411;
 #[cfg(any(feature = "nucleo-f446", not(target_os = "none")))]
 pub(crate) mod nucleo_f446;
+#[cfg(any(feature = "nucleo-g474", not(target_os = "none")))]
+pub(crate) mod nucleo_g474;
 
 #[cfg(all(target_os = "none", feature = "black-pill"))]
 pub(crate) use black_pill::*;
@@ -366,3 +344,5 @@ pub(crate) use f407::*;
 pub(crate) use nucleo_f411::*;
 #[cfg(all(target_os = "none", feature = "nucleo-f446"))]
 pub(crate) use nucleo_f446::*;
+#[cfg(all(target_os = "none", feature = "nucleo-g474"))]
+pub(crate) use nucleo_g474::*;

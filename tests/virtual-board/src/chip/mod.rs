@@ -1,9 +1,9 @@
 //! An STM32F405, or an F411 or F446 by what they lack of it (`parts`), on the public traits of `rigless`: the
 //! bus of `description` and a model for each peripheral that a controller board of this kind has use for. The
 //! clock tree, power controller, ports, serial ports, DMA, converters, watchdog and debug component are the
-//! crate's own models of the same reference manual, some of them wrapped to do what they leave out; the timers,
-//! the flash, the external interrupts and what a supply that goes and comes does to the part are here. What
-//! differs from part to part, and what may befall one, is in [`Settings`] and in `mishaps`.
+//! crate's own models of the same reference manual, some of them wrapped to do what they leave out; the
+//! timers, the flash, the external interrupts and what a supply that goes and comes does to the part are
+//! here. What differs from part to part, and what may befall one, is in [`Settings`] and in `mishaps`.
 
 mod assembly;
 pub mod clocks;
