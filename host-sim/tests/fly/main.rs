@@ -328,7 +328,7 @@ fn each_board_flies_with_its_own_pwm() {
     assert_ne!(f405["simulated"], f411["simulated"]);
     let refused = fly(folder.path(), &["--board", "f103"]);
     assert!(
-        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, nucleo-f411, nucleo-f446")
+        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, black-pill, nucleo-f411,")
     );
 }
 
