@@ -4,7 +4,7 @@
 //! (`core/src/monitor/`): here the board's own loop flies the same plants through the same flights, one by
 //! one, and what its supervisor cuts is told.
 
-use super::scenes::{Course, HOT};
+use super::scenes::Course;
 use super::{Draw, Score, Trial};
 use crate::parallel::{self, Stop};
 use serde::Serialize;
@@ -16,6 +16,7 @@ use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition};
 use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware};
+use twinrotor_sim::judged::HOT;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// A flight that the board ended.
