@@ -7,6 +7,8 @@
 #[cfg(feature = "host")]
 extern crate std;
 
+#[cfg(feature = "host")]
+pub mod host;
 #[cfg(target_arch = "nvptx64")]
 mod ptx;
 pub mod robust;

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "raw memory and special registers are what a kernel is called with")]
 
-use crate::robust::{self, FLOWN, Given};
+use crate::robust::{CUT, FLOWN, Given, cut, flight, to_words, usual};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x, trap};
 use core::slice;
 
@@ -18,12 +18,12 @@ fn number() -> u32 {
     unsafe { _block_idx_x() * _block_dim_x() + _thread_idx_x() }
 }
 
-/// Thread k flies flight k of `flights`; word w of its sums comes to `out` at w x `flights` + k.
-macro_rules! robust {
-    ($($name:ident: $narrow:expr;)+) => {$(
+/// Thread k flies flight k of `flights`; word w of what comes of it goes to `out` at w x `flights` + k.
+macro_rules! kernels {
+    ($($name:ident: $words:expr, $fly:expr;)+) => {$(
         /// # Safety
-        /// Each pointer is of so many readable words as the number after it says, `out` of so many words for
-        /// each flight as a [`FLOWN`] has.
+        /// Each pointer is of so many readable words as the number after it says, `out` of so many writable
+        /// ones for each flight as come of it.
         #[unsafe(no_mangle)]
         unsafe extern "ptx-kernel" fn $name(
             common: *const u32,
@@ -54,20 +54,21 @@ macro_rules! robust {
                     course: slice::from_raw_parts(course, course_words as usize),
                 }
             };
-            let Some(flown) = robust::flight(&given, k, $narrow) else {
+            let fly: fn(&Given<'_>, u32) -> Option<[u32; $words]> = $fly;
+            let Some(words) = fly(&given, k) else {
                 // SAFETY: ends the launch with an error that the host sees.
                 unsafe { trap() }
             };
-            let words: [u32; FLOWN] = robust::to_words(&flown);
             for (w, word) in words.into_iter().enumerate() {
-                // SAFETY: w is below FLOWN and k below `flights`.
+                // SAFETY: w is below the number of words and k below `flights`.
                 unsafe { out.add(w * flights as usize + k as usize).write(word) };
             }
         }
     )+};
 }
 
-robust! {
-    robust_any: Some;
-    robust_usual: robust::usual;
+kernels! {
+    robust_any: FLOWN, |given, k| flight(given, k, Some).as_ref().map(to_words);
+    robust_usual: FLOWN, |given, k| flight(given, k, usual).as_ref().map(to_words);
+    robust_cut: CUT, cut;
 }

@@ -14,8 +14,9 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::{Envelope, PAPER};
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
 use twinrotor::reference::Reference;
-use twinrotor_sim::closed_loop::RigLoop;
-use twinrotor_sim::judged::{Course, Flown, Rules, fly};
+use twinrotor::supervisor::Condition;
+use twinrotor_sim::closed_loop::{BoardLoop, RigLoop};
+use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
 
 /// What all flights of a launch have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -41,6 +42,13 @@ pub struct Common {
 }
 
 impl Common {
+    /// Of flights that are judged by `rules`, with `hardware` that is not worn.
+    pub fn new(rules: &Rules, hardware: &Hardware) -> Self {
+        let Rules { goal, envelope, disturbance, end, hot } = *rules;
+        let Hardware { encoder_counts, believed_counts, pwm_steps, supply, .. } = *hardware;
+        Self { goal, envelope, disturbance, end, hot, encoder_counts, believed_counts, pwm_steps, supply }
+    }
+
     #[inline(always)]
     fn rules(&self) -> Rules {
         let Self { goal, envelope, disturbance, end, hot, .. } = *self;
@@ -49,10 +57,10 @@ impl Common {
 
     /// Nothing of it is worn.
     #[inline(always)]
-    fn hardware(&self) -> Hardware {
+    fn hardware(&self, encoder_phase: PerAxis<f64>) -> Hardware {
         Hardware {
             encoder_counts: self.encoder_counts,
-            encoder_phase: PerAxis::both(0.5),
+            encoder_phase,
             pwm_steps: self.pwm_steps,
             supply: self.supply,
             believed_counts: self.believed_counts,
@@ -70,8 +78,8 @@ pub struct Given<'a> {
     pub settings: &'a [u32],
     /// Words that each controller has.
     pub each: u32,
-    /// Plants' numbers ([`plant_numbers`]): number k of plant p at k x `count` + p, so that neighbours read
-    /// side by side.
+    /// Plants' numbers in the order in which they are read: number k of plant p at k x `count` + p, so that
+    /// neighbours read side by side.
     pub plants: &'a [u32],
     /// How many plants there are.
     pub count: u32,
@@ -103,43 +111,83 @@ pub fn usual(settings: Settings<f32>) -> Option<Settings<f32>> {
     Some(Settings { controller, ..settings })
 }
 
-/// The flight of this number: controller by controller, each on every plant. `narrow` gives the controller
-/// back, of fewer kinds than there are. `None` where it does not, or the words do not say what they should.
+/// What a flight begins with.
+struct Start<'a> {
+    settings: Settings<f32>,
+    plant: RealPlant<f32>,
+    disturbance: PerMotor<f32>,
+    phase: PerAxis<f32>,
+    common: Common,
+    course: Changes<'a>,
+}
+
+impl<'a> Given<'a> {
+    /// That of the flight of this number: controller by controller, each on every plant. `None` where the
+    /// words do not say what they should.
+    #[inline(always)]
+    fn start(&self, number: u32) -> Option<Start<'a>> {
+        let count = self.count.max(1);
+        let (controller, plant) = (number / count, number % count);
+        let begin = controller as usize * self.each as usize;
+        let settings = words::read(self.settings.get(begin..begin + self.each as usize)?).ok()?;
+        let common = words::read(self.common).ok()?;
+        let mut k = plant as usize;
+        let mut next = || {
+            let word = self.plants.get(k).copied().unwrap_or(0);
+            k += count as usize;
+            f32::from_bits(word)
+        };
+        // What these presets say is not read: they are the structures that the numbers fill.
+        let constants: PlantParameters<f32> = PAPER.plant.map(|_| next());
+        let rotors = LaggedRotors::<f32>::new(&PAPER.plant, SAMPLE_TIME).map(|_| next());
+        let disturbance = PerMotor::new(next(), next());
+        let phase = PerAxis::new(next(), next());
+        let plant = RealPlant::assemble(constants, rotors, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
+        Some(Start { settings, plant, disturbance, phase, common, course })
+    }
+}
+
+/// Flies the flight of this number. `narrow` gives the controller back, of fewer kinds than there are. `None`
+/// where it does not, or the words do not say what they should.
 #[inline(always)]
 pub fn flight(
     given: &Given<'_>,
     number: u32,
     narrow: impl Fn(Settings<f32>) -> Option<Settings<f32>>,
 ) -> Option<Flown> {
-    let count = given.count.max(1);
-    let (controller, plant) = (number / count, number % count);
-    let begin = controller as usize * given.each as usize;
-    let settings = words::read(given.settings.get(begin..begin + given.each as usize)?).ok()?;
+    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
-    let common: Common = words::read(given.common).ok()?;
-    let mut k = plant as usize;
-    let mut next = || {
-        let word = given.plants.get(k).copied().unwrap_or(0);
-        k += count as usize;
-        f32::from_bits(word)
-    };
-    let plant: PlantParameters<f32> = PAPER.plant.map(|_| next());
-    let rotors = LaggedRotors::<f32>::new(&PAPER.plant, SAMPLE_TIME).map(|_| next());
-    let disturbance = PerMotor::new(next(), next());
-    let phase = PerAxis::new(next(), next());
-    let plant = RealPlant::assemble(plant, rotors, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-    let closed_loop = RigLoop::assemble(plant, &common.hardware(), phase, &settings);
-    let course = Changes { words: given.course, next: 0, at: first_tick(given.course), push: None };
+    let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
     let sums = fly(closed_loop, settings.volts_limit, disturbance, &common.rules(), course, || false)?;
     Some(sums.lane(0))
+}
+
+/// Words of what [`cut`] finds.
+pub const CUT: usize = 2;
+
+/// Flies the flight of this number as the board does, and says whether its supervisor ends it: the tick and
+/// the condition's number, or [`u32::MAX`] twice.
+#[inline(always)]
+pub fn cut(given: &Given<'_>, number: u32) -> Option<[u32; CUT]> {
+    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
+    let board = BoardLoop::new(plant, &common.hardware(phase.map(f64::from)), &settings);
+    let ended = judged::cut(board, disturbance, &common.rules(), course);
+    Some(ended.map_or([u32::MAX; CUT], |ended| [ended.tick, ended.condition as u32]))
+}
+
+/// What the words of [`cut`] say.
+pub fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
+    let condition = *Condition::ALL.get(condition as usize)?;
+    Some(Ended { tick, condition })
 }
 
 /// Words of a [change](Changes).
 pub const CHANGE: usize = 9;
 
 /// A course by its changes, in the order of their ticks. Each is [`CHANGE`] words: the tick; 1 where
-/// something else is asked for from then on, plus 2 where something pushes; angle, rate and acceleration asked
-/// for, pitch and yaw each; the push.
+/// something else is asked for from then on, plus 2 where something pushes; angle, rate and acceleration
+/// asked for, pitch and yaw each; the push.
 #[derive(Debug)]
 struct Changes<'a> {
     words: &'a [u32],
@@ -200,4 +248,22 @@ pub fn to_words(flown: &Flown) -> [u32; FLOWN] {
         flown.saturated.to_bits(),
         flags,
     ]
+}
+
+/// The other way round.
+pub fn from_words(words: [u32; FLOWN]) -> Flown {
+    let number = |k: usize| words.get(k).map_or(0.0, |word| f32::from_bits(*word));
+    let pair = |k: usize| PerAxis::new(number(k), number(k + 1));
+    let [.., flags] = words;
+    Flown {
+        last_outside_2: pair(0),
+        overshoot: pair(2),
+        hold_squares: pair(4),
+        disturbed_squares: pair(6),
+        variation: number(8),
+        saturated: number(9),
+        outside_5: flags & 1 != 0,
+        left_envelope: flags & 2 != 0,
+        diverged: flags & 4 != 0,
+    }
 }

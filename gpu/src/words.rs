@@ -37,7 +37,7 @@ impl de::Error for Mismatch {
     }
 }
 
-/// Reads what [`written`] wrote, from its beginning.
+/// Reads what was written so, from its beginning.
 ///
 /// # Errors
 /// The words end too early or name a kind that there is not.

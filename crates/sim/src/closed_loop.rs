@@ -263,6 +263,8 @@ impl ReadyBoard {
         &self.0
     }
 
+    /// (Where everything is inlined it would be there five times.)
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
     fn step(&mut self, counters: PerAxis<u32>, supply: f32, command: Option<OperatorCommand>) -> Outputs {
         self.0.tick(&Inputs {
             command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),

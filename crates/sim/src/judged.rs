@@ -3,11 +3,12 @@
 //!
 //! One copy for the lanes of the tuner and for a GPU's threads, over any [`Real`] in single precision.
 
-use crate::closed_loop::{ClosedLoop, RigLoop};
+use crate::closed_loop::{BoardLoop, ClosedLoop, RigLoop};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::Envelope;
 use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
+use twinrotor::supervisor::{ArmState, Condition};
 
 use crate::metrics::{LastOutside, Overshoot};
 
@@ -186,6 +187,38 @@ pub fn fly<R: Real<Scalar = f32>>(
             | beyond(state.rate.yaw, envelope.rate.yaw);
     }
     Some(s)
+}
+
+/// A flight that the board ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ended {
+    /// In which tick.
+    pub tick: u32,
+    /// What the motors were cut for.
+    pub condition: Condition,
+}
+
+/// Flies as the board does, with its supervisor, which cuts motors, until it does so; `None` if it does not.
+#[inline(always)]
+pub fn cut(
+    mut board: BoardLoop,
+    disturbance: PerMotor<f32>,
+    rules: &Rules,
+    mut course: impl Course,
+) -> Option<Ended> {
+    let mut asked = Reference::default();
+    for tick in 0..rules.end {
+        asked = course.asked(tick).unwrap_or(asked);
+        if rules.hot && tick == 1 {
+            board.warm(f32::from_f64(HOT));
+        }
+        let push = course.push(tick).map_or(PerMotor::zero(), |part| disturbance.scaled(part));
+        board.tick(&asked, push);
+        if let Some(ArmState::Fault(condition)) = board.arm_state() {
+            return Some(Ended { tick, condition });
+        }
+    }
+    None
 }
 
 /// Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators and

@@ -16,6 +16,8 @@
 
 pub mod closed_loop;
 #[cfg(feature = "std")]
+pub mod device;
+#[cfg(feature = "std")]
 pub mod error;
 #[cfg(feature = "std")]
 pub mod flight;

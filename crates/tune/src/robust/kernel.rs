@@ -11,6 +11,7 @@ use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::Real;
 use twinrotor_sim::closed_loop::{Hardware, RigLoop};
+use twinrotor_sim::device::{Device, changes};
 use twinrotor_sim::judged::{Flown, HOLD, fly};
 use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
 use twinrotor_sim::scenario::SAMPLE_TIME;
@@ -23,8 +24,31 @@ pub(super) fn scores(
     plants: &[Draw],
     stop: Stop<'_>,
 ) -> Option<Vec<Score>> {
+    all_scores(courses, |course| in_lanes(Flights { stop, ..Flights::new(trial, course, settings, plants) }))
+}
+
+/// The scores of these controllers on every plant of the trial, flown by `device`.
+pub(super) fn scores_on(
+    device: &dyn Device,
+    trial: &Trial,
+    courses: &[Course],
+    controllers: &[Settings<f32>],
+    stop: Stop<'_>,
+) -> Option<Vec<Vec<Score>>> {
+    if controllers.is_empty() {
+        return Some(Vec::new());
+    }
+    let fly = |course: &Course| {
+        let list = changes(course, course.end);
+        device.fly(&trial.batch(course, &list, controllers), stop)
+    };
+    let scores = all_scores(courses, fly)?;
+    Some(scores.chunks(trial.plants.len()).map(<[Score]>::to_vec).collect())
+}
+
+/// The scores of flights that `fly` flies on each course, in its order.
+fn all_scores(courses: &[Course], fly: impl Fn(&Course) -> Option<Vec<Flown>>) -> Option<Vec<Score>> {
     let (step, scenes) = courses.split_first().expect("the step is flown first");
-    let fly = |course| in_lanes(Flights { stop, ..Flights::new(trial, course, settings, plants) });
     let mut scores: Vec<Score> = fly(step)?.iter().map(|flown| score(flown, step)).collect();
     for (k, course) in scenes.iter().enumerate() {
         for (score, flown) in scores.iter_mut().zip(fly(course)?) {
@@ -40,8 +64,8 @@ pub(super) fn scores(
 /// left.
 #[derive(Clone, Copy)]
 struct Flights<'a> {
-    rig: &'a Rig,
     truth: &'a Rig,
+    hardware: Hardware,
     settings: &'a Settings<f32>,
     plants: &'a [Draw],
     course: &'a Course,
@@ -62,8 +86,7 @@ impl Kernel for Flights<'_> {
 
 impl<'a> Flights<'a> {
     fn new(trial: &'a Trial, course: &'a Course, settings: &'a Settings<f32>, plants: &'a [Draw]) -> Self {
-        let Trial { rig, truth, .. } = trial;
-        Self { rig, truth, settings, plants, course, stop: NEVER }
+        Self { truth: &trial.truth, hardware: trial.hardware(), settings, plants, course, stop: NEVER }
     }
 
     fn closed_loop<R: Real<Scalar = f32>>(&self) -> RigLoop<R> {
@@ -78,9 +101,7 @@ impl<'a> Flights<'a> {
         );
         let phase =
             PerAxis { pitch: self.each(|d| d.encoder_phase.pitch), yaw: self.each(|d| d.encoder_phase.yaw) };
-        let sound = Hardware::of(self.truth, PerAxis::both(0.5));
-        let hardware = sound.taken_for(self.rig, self.truth);
-        RigLoop::assemble(plant, &hardware, phase, &self.settings.map(R::splat))
+        RigLoop::assemble(plant, &self.hardware, phase, &self.settings.map(R::splat))
     }
 
     fn disturbance<R: Real<Scalar = f32>>(&self) -> PerMotor<R> {
