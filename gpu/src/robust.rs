@@ -83,7 +83,7 @@ pub struct Given<'a> {
     pub plants: &'a [u32],
     /// How many plants there are.
     pub count: u32,
-    /// The course, in [changes](Changes).
+    /// The course by its changes, [`CHANGE`] words each, in the order of their ticks.
     pub course: &'a [u32],
 }
 
@@ -182,12 +182,11 @@ pub fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
     Some(Ended { tick, condition })
 }
 
-/// Words of a [change](Changes).
+/// Words of a change of a course: the tick; 1 where something else is asked for from then on, plus 2 where
+/// something pushes; angle, rate and acceleration asked for, pitch and yaw each; the push.
 pub const CHANGE: usize = 9;
 
-/// A course by its changes, in the order of their ticks. Each is [`CHANGE`] words: the tick; 1 where
-/// something else is asked for from then on, plus 2 where something pushes; angle, rate and acceleration
-/// asked for, pitch and yaw each; the push.
+/// A course by its changes, in the order of their ticks.
 #[derive(Debug)]
 struct Changes<'a> {
     words: &'a [u32],
