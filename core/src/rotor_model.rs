@@ -28,7 +28,8 @@ impl<R: Real> RotorModel<R> {
         let r = &model.rotor_reaction;
         let present = [q.main_on_pitch, q.tail_on_pitch, q.main_on_yaw, q.tail_on_yaw, r.main, r.tail]
             .into_iter()
-            .any(|x| R::zero().lt(x.abs()).any());
+            .fold(R::Mask::splat(false), |found, x| found | R::zero().lt(x.abs()))
+            .any();
         Self {
             keep: model.rotor_time_constant.map(|tau| tustin_decay(sample_time, tau)),
             torque: RotorTorque::new(model, r.map(|r| r / sample_time)),

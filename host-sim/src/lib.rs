@@ -13,6 +13,7 @@
 )]
 
 pub mod cli;
+pub mod device;
 pub mod error;
 pub mod figures;
 pub mod files;

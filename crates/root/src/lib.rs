@@ -1,10 +1,11 @@
 //! One function: the square root of an `f32`, correctly rounded wherever it runs.
 //!
 //! IEEE 754 asks for correct rounding, so there is one answer for each argument. `libm` computes it in
-//! software on ARM; a Cortex-M4F has an instruction for it, which needs `unsafe` to be said, and the core has
-//! none: hence this crate.
+//! software on ARM and on a GPU; a Cortex-M4F and a GPU have an instruction for it, which needs `unsafe` to
+//! be said, and the core has none: hence this crate.
 
 #![no_std]
+#![cfg_attr(target_arch = "nvptx64", feature(asm_experimental_arch))]
 
 /// The square root of `x`, correctly rounded; NaN below zero.
 #[inline(always)]
@@ -28,7 +29,25 @@ pub fn sqrt(x: f32) -> f32 {
         }
         f32::from_bits(bits)
     }
-    #[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let root: f32;
+        #[expect(
+            unsafe_code,
+            reason = "an instruction that says how it rounds; the language's may approximate"
+        )]
+        // SAFETY: a function of its argument (PTX ISA, sqrt.rn.f32: IEEE 754, with subnormals).
+        unsafe {
+            core::arch::asm!(
+                "sqrt.rn.f32 {root}, {x};",
+                root = out(reg32) root,
+                x = in(reg32) x,
+                options(pure, nomem, nostack)
+            );
+        }
+        root
+    }
+    #[cfg(not(any(target_arch = "nvptx64", all(target_arch = "arm", target_abi = "eabihf"))))]
     {
         libm::sqrtf(x)
     }

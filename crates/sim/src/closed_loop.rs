@@ -6,6 +6,7 @@
 
 pub use twinrotor::bench::Hardware;
 
+#[cfg(feature = "std")]
 use crate::scenario::Now;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Bench, Encoders, Worn};
@@ -64,6 +65,7 @@ pub trait ClosedLoop<R: Real> {
 
     /// What befalls the rig from the next tick on, beside the volts that every tick is told. The paper's
     /// world has neither counts nor a supply.
+    #[cfg(feature = "std")]
     fn befall(&mut self, now: &Now);
 
     /// The plant becomes that of these constants; its pose, its rates and what its rotors do stay.
@@ -107,6 +109,7 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
         Tick { state, setpoint: reference.angle, decision, applied, logged }
     }
 
+    #[cfg(feature = "std")]
     fn befall(&mut self, now: &Now) {
         self.plant.set_load(now.torque.cast());
     }
@@ -126,6 +129,7 @@ pub struct RigLoop<R> {
     pipeline: Pipeline<R>,
     drive: Drive<R>,
     /// \[V\] As it should be, and as it is.
+    #[cfg_attr(not(feature = "std"), expect(dead_code, reason = "nothing befalls it there"))]
     sound_supply: R,
     supply: R,
     worn: Worn<R>,
@@ -188,6 +192,7 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
         Tick { state, setpoint: reference.angle, decision, applied: driven, logged }
     }
 
+    #[cfg(feature = "std")]
     fn befall(&mut self, now: &Now) {
         self.plant.set_load(now.torque.cast());
         self.worn.set_noise(now.noise.cast());
@@ -258,6 +263,8 @@ impl ReadyBoard {
         &self.0
     }
 
+    /// (Where everything is inlined it would be there five times.)
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
     fn step(&mut self, counters: PerAxis<u32>, supply: f32, command: Option<OperatorCommand>) -> Outputs {
         self.0.tick(&Inputs {
             command: command.map(|message| Numbered { sequence: Sequence::default(), message }).as_ref(),
@@ -274,6 +281,7 @@ pub struct BoardLoop {
     /// What the board takes the counts for, and where it was switched on.
     scale: PerAxis<EncoderScale>,
     /// \[V\] As it should be.
+    #[cfg_attr(not(feature = "std"), expect(dead_code, reason = "nothing befalls it there"))]
     supply: f32,
     /// Its board.
     pub board: ReadyBoard,
@@ -312,6 +320,7 @@ impl ClosedLoop<f32> for BoardLoop {
         Tick { state, setpoint: reference.angle, decision, applied, logged: Logged { angle, volts } }
     }
 
+    #[cfg(feature = "std")]
     fn befall(&mut self, now: &Now) {
         self.bench.set_load(now.torque.cast());
         self.bench.worn.set_noise(now.noise.cast());

@@ -3,6 +3,7 @@
 
 use crate::closed_loop::Tick;
 use serde::Serialize;
+#[cfg(feature = "std")]
 use std::fmt;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::compensated::Compensated;
@@ -365,6 +366,7 @@ pub struct MotorReport {
 }
 
 /// Two tables in plain text: the axes, and the motors.
+#[cfg(feature = "std")]
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut row =

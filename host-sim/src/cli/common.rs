@@ -3,7 +3,7 @@
 use crate::error::{Failure, Outcome};
 use crate::files::output::Outputs;
 use crate::files::{checkpoint, figure};
-use crate::{files, threads};
+use crate::{device, files, threads};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
@@ -70,6 +70,21 @@ impl Common {
 pub(super) fn board(name: &str) -> Result<Board, String> {
     let allowed = || board::ALL.map(|board| board.name).join(", ");
     Board::named(name).ok_or_else(|| format!("allowed: {}", allowed()))
+}
+
+/// What flies.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Device {
+    /// What flies: cpu, or cuda for an NVIDIA card; the bytes that come out are the same
+    #[arg(long = "device", value_name = "NAME", default_value = "cpu")]
+    choice: device::Choice,
+}
+
+impl Device {
+    /// Looks for it.
+    pub(super) fn find(self) -> Outcome<device::Found> {
+        self.choice.find()
+    }
 }
 
 /// How far drawn plants lie apart.
@@ -191,6 +206,8 @@ pub(super) enum End {
     TimeLimit,
     /// It was interrupted.
     Interrupted,
+    /// What flew has failed.
+    Device,
 }
 
 /// Two numbers with a comma between them.

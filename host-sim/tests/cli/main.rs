@@ -1,5 +1,6 @@
 //! The program as people use it: flags, files, exit status.
 
+mod device;
 mod files;
 mod flights;
 mod lies;

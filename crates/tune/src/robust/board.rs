@@ -4,18 +4,18 @@
 //! (`core/src/monitor/`): here the board's own loop flies the same plants through the same flights, one by
 //! one, and what its supervisor cuts is told.
 
-use super::scenes::{Course, HOT};
+use super::scenes::Course;
 use super::{Draw, Score, Trial};
 use crate::parallel::{self, Stop};
 use serde::Serialize;
-use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::{RealPlant, State};
-use twinrotor::real::Real;
-use twinrotor::reference::Reference;
-use twinrotor::supervisor::{ArmState, Condition};
-use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware};
+use twinrotor::supervisor::Condition;
+use twinrotor_sim::closed_loop::{BoardLoop, Hardware};
+use twinrotor_sim::device::changes;
+use twinrotor_sim::judged::{self, Ended};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// A flight that the board ended.
@@ -35,6 +35,17 @@ impl Trial {
     pub fn cuts(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Option<Cut>>> {
         let settings = self.settings(controller);
         let courses = Course::all(self);
+        if let Some(device) = self.fitting_device() {
+            let mut cuts = vec![None; self.plants.len()];
+            for course in &courses {
+                let list = changes(course, course.end);
+                let ended = device.cuts(&self.batch(course, &list, &[settings]), stop)?;
+                for (cut, ended) in cuts.iter_mut().zip(ended) {
+                    *cut = cut.or(ended.map(|ended| Cut::of(course, ended)));
+                }
+            }
+            return Some(cuts);
+        }
         parallel::try_map(&self.plants, |draw| {
             if stop() {
                 return None;
@@ -58,22 +69,15 @@ impl Trial {
     fn cut(&self, settings: &Settings<f32>, course: &Course, draw: &Draw) -> Option<Cut> {
         let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
         let hardware = Hardware::of(&self.truth, draw.encoder_phase).taken_for(&self.rig, &self.truth);
-        let mut board = BoardLoop::new(plant, &hardware, settings);
-        let disturbance: PerMotor<f32> = draw.disturbance.cast();
-        let mut asked = Reference::default();
-        for tick in 0..course.end {
-            asked = course.asked(tick).unwrap_or(asked);
-            if course.hot && tick == 1 {
-                board.warm(f32::from_f64(HOT));
-            }
-            let push = course.push(tick).map_or(PerMotor::zero(), |part| disturbance.scaled(part));
-            board.tick(&asked, push);
-            if let Some(ArmState::Fault(condition)) = board.arm_state() {
-                let time = f64::from(tick) * SAMPLE_TIME;
-                return Some(Cut { flight: course.name, condition, time });
-            }
-        }
-        None
+        let board = BoardLoop::new(plant, &hardware, settings);
+        let ended = judged::cut(board, draw.disturbance.cast(), &course.rules(self.truth.envelope), course)?;
+        Some(Cut::of(course, ended))
+    }
+}
+
+impl Cut {
+    fn of(course: &Course, Ended { tick, condition }: Ended) -> Self {
+        Self { flight: course.name, condition, time: f64::from(tick) * SAMPLE_TIME }
     }
 }
 

@@ -33,11 +33,14 @@ pub use tuning::{Plan, Robust, Tuning, objective};
 
 use crate::parallel::{self, NEVER, Stop};
 use scenes::Course;
+use std::sync::Arc;
 use twinrotor::axes::PerAxis;
+use twinrotor::bench::{Hardware, Wear};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
+use twinrotor_sim::device::{Batch, Change, Device};
 use twinrotor_sim::lanes::LANES;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
@@ -59,6 +62,8 @@ pub struct Trial {
     pub allowance: f64,
     /// What is flown on each plant.
     pub scenes: Scenes,
+    /// What flies them; nothing for this processor. The scores are the same bits.
+    pub device: Option<Arc<dyn Device>>,
 }
 
 /// \[deg\] The objective's step.
@@ -74,13 +79,19 @@ impl Trial {
     pub fn within(rig: &Rig, count: usize, seed: u64, allowance: f64, scatter: &Scatter) -> Self {
         let plants = draw_within(rig, count, seed, scatter);
         let step = STEP_DEG.map(f64::to_radians);
-        Self { rig: *rig, truth: *rig, plants, step, allowance, scenes: Scenes::Step }
+        Self { rig: *rig, truth: *rig, plants, step, allowance, scenes: Scenes::Step, device: None }
     }
 
     /// The same, with these scenes.
     #[must_use]
     pub fn flying(self, scenes: Scenes) -> Self {
         Self { scenes, ..self }
+    }
+
+    /// The same, flown by `device`.
+    #[must_use]
+    pub fn on(self, device: Option<Arc<dyn Device>>) -> Self {
+        Self { device, ..self }
     }
 
     /// The scores of a controller, in the order of the plants.
@@ -91,6 +102,9 @@ impl Trial {
     /// As [`Trial::scores`], or nothing if `stop` says so before all are known.
     pub fn scores_until(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Score>> {
         let (settings, courses) = (self.settings(controller), Course::all(self));
+        if let Some(device) = self.fitting_device() {
+            return kernel::scores_on(&*device, self, &courses, &[settings], stop)?.pop();
+        }
         parallel::by_group(&self.plants, LANES, |group| {
             kernel::scores(self, &courses, &settings, group, stop)
         })
@@ -110,9 +124,42 @@ impl Trial {
             return Some((Some(self.scores_until(controller, stop)?), self.plants.len()));
         }
         let (settings, courses) = (self.settings(controller), Course::all(self));
+        self.below(bound, |group| kernel::scores(self, &courses, &settings, group, stop))
+    }
+
+    /// Those of many controllers, each with its bound: what [`Trial::scores_below`] gives for each, whether
+    /// this processor flies them one by one or a device all of them together.
+    pub fn all_below(
+        &self,
+        controllers: &[(ControllerSettings<f64>, f64)],
+        stop: Stop<'_>,
+    ) -> Option<Vec<(Option<Vec<Score>>, usize)>> {
+        let Some(device) = self.fitting_device() else {
+            return parallel::try_map(controllers, |(c, bound)| self.scores_below(c, *bound, stop));
+        };
+        let courses = Course::all(self);
+        let settings: Vec<_> = controllers.iter().map(|(c, _)| self.settings(c)).collect();
+        let all = kernel::scores_on(&*device, self, &courses, &settings, stop)?;
+        let bounded = |(scores, (_, bound)): (Vec<Score>, &(_, f64))| {
+            if *bound == f64::INFINITY {
+                let flown = scores.len();
+                return Some((Some(scores), flown));
+            }
+            let mut known = scores.chunks(LANES);
+            self.below(*bound, |_| Some(known.next()?.to_vec()))
+        };
+        all.into_iter().zip(controllers).map(bounded).collect()
+    }
+
+    /// Group by group until J is sure not to be below `bound`.
+    fn below(
+        &self,
+        bound: f64,
+        mut fly: impl FnMut(&[Draw]) -> Option<Vec<Score>>,
+    ) -> Option<(Option<Vec<Score>>, usize)> {
         let mut scores = Vec::with_capacity(self.plants.len());
         for group in self.plants.chunks(LANES) {
-            scores.extend(kernel::scores(self, &courses, &settings, group, stop)?);
+            scores.extend(fly(group)?);
             let mut costs: Vec<f64> = scores.iter().map(Score::cost).collect();
             costs.resize(self.plants.len(), 0.0);
             if cost::of(&costs) > bound * SURELY {
@@ -121,6 +168,28 @@ impl Trial {
         }
         let flown = scores.len();
         Some((Some(scores), flown))
+    }
+
+    /// What flies this trial's flights, if that is not this processor: worn hardware, as amplifiers are that
+    /// give less than the controller knows, is only flown here.
+    fn fitting_device(&self) -> Option<Arc<dyn Device>> {
+        self.device.clone().filter(|_| self.hardware().wear == Wear::default())
+    }
+
+    /// Sensors and amplifiers of every plant, but for the encoders' phase.
+    fn hardware(&self) -> Hardware {
+        Hardware::of(&self.truth, PerAxis::both(0.5)).taken_for(&self.rig, &self.truth)
+    }
+
+    /// What a device flies of it on this course, whose changes are `list`.
+    fn batch<'a>(
+        &'a self,
+        course: &Course,
+        list: &'a [Change],
+        controllers: &'a [Settings<f32>],
+    ) -> Batch<'a> {
+        let (rules, hardware) = (course.rules(self.truth.envelope), self.hardware());
+        Batch { rules, course: list, hardware, controllers, plants: &self.plants }
     }
 
     fn settings(&self, controller: &ControllerSettings<f64>) -> Settings<f32> {

@@ -7,18 +7,8 @@ use rand_chacha::rand_core::SeedableRng;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{Effectiveness, PlantParameters};
+pub use twinrotor_sim::device::Draw;
 use twinrotor_sim::error::{Error, Outcome};
-
-/// A plant, and what befalls it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Draw {
-    /// Its constants.
-    pub plant: PlantParameters<f64>,
-    /// \[V\] The constant that is added to the volts in effect from the disturbance time on.
-    pub disturbance: PerMotor<f64>,
-    /// \[counts\] 0..1: where between two counts the start lies.
-    pub encoder_phase: PerAxis<f64>,
-}
 
 /// Spread of the body's constants and thrust gains: uniform, each on its own, within this part of the
 /// preset's.

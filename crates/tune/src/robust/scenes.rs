@@ -18,9 +18,11 @@ use super::Trial;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use twinrotor::axes::PerAxis;
+use twinrotor::plant::presets::Envelope;
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::trajectory::{Profile, Trajectory, ticks};
+use twinrotor_sim::judged::{self, Rules};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// What the RMS error of one axis counts, where it is as large as the goal.
@@ -31,8 +33,6 @@ pub const LEFT: f64 = 5.0;
 const GUST_UNIT: f64 = 0.2;
 /// What the error of a scene that diverges counts as, in parts of the goal.
 const LOST: f64 = 5.0;
-/// Share of the heat of the continuous current with which motors are hot.
-pub(super) const HOT: f64 = 0.9;
 
 /// What is flown on every plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -189,6 +189,11 @@ impl Course {
         std::iter::once(Self::step(trial)).chain(scenes).collect()
     }
 
+    /// What it is judged by, for a rig that may be in `envelope`.
+    pub(super) fn rules(&self, envelope: Envelope) -> Rules {
+        Rules { goal: self.goal, envelope, disturbance: self.disturbance, end: self.end, hot: self.hot }
+    }
+
     /// What is asked for from this tick on, where that changes.
     #[inline(always)]
     pub(super) fn asked(&self, tick: u32) -> Option<Reference<f32>> {
@@ -211,6 +216,18 @@ impl Course {
             }),
             None => (self.disturbance > 0 && tick >= self.disturbance).then_some(1.0),
         }
+    }
+}
+
+impl judged::Course for &Course {
+    #[inline(always)]
+    fn asked(&mut self, tick: u32) -> Option<Reference<f32>> {
+        Course::asked(self, tick)
+    }
+
+    #[inline(always)]
+    fn push(&mut self, tick: u32) -> Option<f32> {
+        Course::push(self, tick)
     }
 }
 

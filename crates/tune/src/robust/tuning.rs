@@ -3,7 +3,7 @@
 use super::{Limit, Row, Scatter, Scenes, Score, Trial};
 use crate::checkpoint::Identity;
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
-use crate::parallel::{self, Stop};
+use crate::parallel::Stop;
 use crate::search::{Effort, Problem, Search};
 use crate::tunable::Tunable;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -45,19 +45,13 @@ impl<'a> Robust<'a> {
         Self { limits, ..self }
     }
 
-    fn cost(&self, candidate: &Candidate, stop: Stop<'_>) -> Option<f64> {
-        let controller = self.tunable.controller(&candidate.position);
-        // What no gains file could hold is no candidate.
-        if controller.validate().is_err() {
-            return Some(f64::INFINITY);
-        }
-        let (scores, flown) = self.trial.scores_below(&controller, candidate.bound, stop)?;
+    fn cost(&self, scores: Option<Vec<Score>>, flown: usize) -> f64 {
         let left = self.trial.plants.len() - flown;
         self.simulated.fetch_add(self.trial.steps() * flown as u64, Ordering::Relaxed);
         self.skipped.fetch_add(self.trial.steps() * left as u64, Ordering::Relaxed);
-        let Some(scores) = scores else { return Some(f64::INFINITY) };
+        let Some(scores) = scores else { return f64::INFINITY };
         self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
-        Some(super::total(&scores) * (1.0 + self.excess(&scores)))
+        super::total(&scores) * (1.0 + self.excess(&scores))
     }
 
     fn excess(&self, scores: &[Score]) -> f64 {
@@ -73,7 +67,19 @@ impl Problem for Robust<'_> {
     /// A candidate that diverges on some plant is charged for it (see [`Score::diverged`]), so that the
     /// search learns in which direction fewer do.
     fn costs_until(&self, candidates: &[Candidate], stop: Stop<'_>) -> Option<Vec<f64>> {
-        parallel::try_map(candidates, |candidate| self.cost(candidate, stop))
+        let controllers: Vec<_> =
+            candidates.iter().map(|c| (self.tunable.controller(&c.position), c.bound)).collect();
+        // What no gains file could hold is no candidate.
+        let sound: Vec<_> = controllers.iter().copied().filter(|(c, _)| c.validate().is_ok()).collect();
+        let mut flown = self.trial.all_below(&sound, stop)?.into_iter();
+        let cost = |(controller, _): &(ControllerSettings<f64>, f64)| {
+            if controller.validate().is_err() {
+                return Some(f64::INFINITY);
+            }
+            let (scores, flown) = flown.next()?;
+            Some(self.cost(scores, flown))
+        };
+        controllers.iter().map(cost).collect()
     }
 
     fn effort(&self) -> Effort {

@@ -3,7 +3,7 @@
 
 mod scenario;
 
-use super::common::{Common, Spreads, no_effect, pair, truth, within};
+use super::common::{Common, Device, Spreads, no_effect, pair, truth, within};
 use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -29,6 +29,8 @@ use twinrotor_tune::robust::{self, Row, Scatter, SceneRow, Score, Trial, Tuning}
 pub(super) struct Args {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    device: Device,
     /// How many plants to draw around the preset
     #[arg(long, value_name = "N", default_value_t = 300)]
     plants: usize,
@@ -94,7 +96,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     within("--plants", args.plants, 2, 100_000)?;
     let scatter = args.spreads.scatter()?;
-    let trial = trial(args, &named, &scatter)?;
+    let found = args.device.find()?;
+    let trial = trial(args, &named, &scatter)?.on(found.device());
     let mut outputs = outputs(args, &named)?;
     if let Some(rounds) = args.tune {
         tune_all(args, &named, rounds, &scatter, &mut outputs)?;
@@ -103,8 +106,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let Some(name) = &args.scenario {
         return scenario::run(args, name, &named, &trial, &controllers);
     }
-    let fly = |controller| trial.supervised(controller, NEVER).expect("nothing stops it");
-    let scores: Vec<Vec<Score>> = controllers.iter().map(|(_, controller)| fly(controller)).collect();
+    let fly = |controller| found.all(trial.supervised(controller, NEVER));
+    let scores: Vec<Vec<Score>> =
+        controllers.iter().map(|(_, controller)| fly(controller)).collect::<Outcome<_>>()?;
     let rows: Vec<Row> = controllers
         .iter()
         .zip(&scores)

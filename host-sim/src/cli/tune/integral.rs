@@ -102,6 +102,10 @@ impl Args {
 
 pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> Outcome<()> {
     let task = args.resolve(request, criterion)?;
+    if request.found.device().is_some() {
+        let why = "only the robust objective is flown by a device; leave it out";
+        return Err(Failure::Input(format!("--device without --objective robust: {why}")));
+    }
     let Task { scenario, fidelity, bounds, plot, .. } = &task;
     let named = &request.named;
     let objective = Objective::new(criterion, &named.rig, scenario, *fidelity, request.seed);

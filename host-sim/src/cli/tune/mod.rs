@@ -7,7 +7,7 @@ mod report;
 mod request;
 mod robust;
 
-use super::common::{Checkpoint, Common};
+use super::common::{Checkpoint, Common, Device};
 use crate::error::Outcome;
 use request::Request;
 use std::path::PathBuf;
@@ -29,6 +29,8 @@ pub(super) struct Args {
 struct Shared {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    device: Device,
     /// Search method: fpa-paper (the paper's Fig. 4), fpa-yang (as published), fpa-demo (the widespread demo
     /// code), fpa-adaptive (ours), ga, pso, gwo, de, cmaes, nelder-mead, random, sobol [default: fpa-paper;
     /// with --objective robust fpa-adaptive]

@@ -3,6 +3,7 @@
 use super::{Goal, Shared};
 use crate::cli::common::{End, bar, within};
 use crate::cli::print;
+use crate::device::Found;
 use crate::error::{Failure, Outcome};
 use crate::files::checkpoint::Keeper;
 use crate::files::output::Outputs;
@@ -38,6 +39,8 @@ pub(super) struct Request<'a> {
     pub(super) json: bool,
     pub(super) out: &'a Path,
     pub(super) begun: Instant,
+    /// What flies.
+    pub(super) found: Found,
     /// What is read and written.
     pub(super) outputs: RefCell<Outputs>,
     /// The checkpoint, once it is written.
@@ -78,6 +81,7 @@ impl<'a> Request<'a> {
         };
         let time_limit = time_limit.transpose().map_err(|e| Failure::Input(format!("--time-limit: {e}")))?;
         Ok(Self {
+            found: shared.device.find()?,
             named,
             setup,
             algorithm,
@@ -123,6 +127,9 @@ impl<'a> Request<'a> {
             if stop::requested() {
                 return ControlFlow::Break(End::Interrupted);
             }
+            if self.found.failure().is_some() {
+                return ControlFlow::Break(End::Device);
+            }
             if late() { ControlFlow::Break(End::TimeLimit) } else { ControlFlow::Continue(()) }
         });
         bar.finish_and_clear();
@@ -142,18 +149,27 @@ impl<'a> Request<'a> {
             End::Interrupted => {
                 Failure::Interrupted(format!("no candidate had flown to the end yet{}", self.go_on()))
             }
+            End::Device => Failure::Run(format!(
+                "{}; no candidate had flown to the end yet{}",
+                self.found.failure().unwrap_or_default(),
+                self.go_on()
+            )),
         }
     }
 
-    /// What an interrupted search with `cost` has left.
-    pub(super) fn interrupted(&self, search: &Search) -> Failure {
-        Failure::Interrupted(format!(
+    /// What a search that was interrupted, or whose device has failed, has left.
+    pub(super) fn broken_off(&self, search: &Search) -> Failure {
+        let left = format!(
             "the best of {} evaluations, with cost {:.6}, is in {}{}",
             search.evaluations(),
             search.cost(),
             self.out.display(),
             self.go_on()
-        ))
+        );
+        match self.found.failure() {
+            Some(why) => Failure::Run(format!("{why}; {left}")),
+            None => Failure::Interrupted(left),
+        }
     }
 
     fn go_on(&self) -> String {
@@ -162,11 +178,11 @@ impl<'a> Request<'a> {
     }
 }
 
-/// The end of a search that was interrupted, after what was found is written.
+/// The end of a search that was broken off, after what was found is written.
 pub(super) fn left(request: &Request<'_>, search: &Search, outputs: Outputs) -> Outcome<()> {
     if !request.json {
         print(&outputs.unwritten())?;
     }
     outputs.done()?;
-    Err(request.interrupted(search))
+    Err(request.broken_off(search))
 }

@@ -3,7 +3,7 @@
 use super::proof::Proof;
 use super::report::Run;
 use super::request::{Request, left};
-use crate::cli::common::{Spreads, no_effect, within};
+use crate::cli::common::{End, Spreads, no_effect, within};
 use crate::cli::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -140,7 +140,8 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let seed = request.seed;
     let scatter = args.spreads.scatter()?;
     let allowance = robust::allowance(&named.name, &named.rig);
-    let trial = Trial::within(&named.rig, plants, seed, allowance, &scatter).flying(scenes);
+    let here = Trial::within(&named.rig, plants, seed, allowance, &scatter).flying(scenes);
+    let trial = here.clone().on(request.found.device());
     let plan = Plan { setup: request.setup, rounds, range, seed };
     let identity = request
         .identity()
@@ -190,14 +191,14 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         failures: scores.map(|scores| scores.iter().filter(|s| s.failed).count()),
         gains: &file,
     };
-    if stop::requested() {
+    if stop::requested() || end == End::Device {
         if request.json {
             print_json(&document(None, None))?;
         }
         return left(request, &search, outputs);
     }
 
-    let fly = |controller| trial.supervised(controller, NEVER).expect("nothing stops it");
+    let fly = |controller| here.supervised(controller, NEVER).expect("nothing stops it");
     let (before, after) = (fly(&start), fly(&found));
     if request.json {
         print_json(&document(Some(&after), Some(&proof)))?;

@@ -1,0 +1,69 @@
+//! Something that flies many flights at once beside this processor's lanes, with the same bits: a GPU.
+
+use crate::judged::{Course, Ended, Flown, Rules};
+use std::fmt::Debug;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::Hardware;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::PlantParameters;
+use twinrotor::reference::Reference;
+
+/// A plant, and what befalls it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Draw {
+    /// Its constants.
+    pub plant: PlantParameters<f64>,
+    /// \[V\] The constant that is added to the volts in effect from the disturbance time on.
+    pub disturbance: PerMotor<f64>,
+    /// \[counts\] 0..1: where between two counts the start lies.
+    pub encoder_phase: PerAxis<f64>,
+}
+
+/// What is otherwise from a tick on than it was before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// From when on.
+    pub tick: u32,
+    /// What is asked for, where that is something else.
+    pub asked: Option<Reference<f32>>,
+    /// What pushes, in parts of the plant's disturbance.
+    pub push: Option<f32>,
+}
+
+/// `course` by its changes up to the tick `end`, in their order; the first is that of tick 0.
+pub fn changes(mut course: impl Course, end: u32) -> Vec<Change> {
+    let (mut list, mut before) = (Vec::new(), None);
+    for tick in 0..end {
+        let (asked, push) = (course.asked(tick), course.push(tick));
+        if asked.is_some() || before != Some(push) {
+            list.push(Change { tick, asked, push });
+            before = Some(push);
+        }
+    }
+    list
+}
+
+/// Flights that differ in controller and plant alone: every controller on every plant, from rest.
+#[derive(Debug, Clone, Copy)]
+pub struct Batch<'a> {
+    /// What they are judged by.
+    pub rules: Rules,
+    /// What happens in them.
+    pub course: &'a [Change],
+    /// Sensors and amplifiers, none of them worn; each plant has its encoder phase.
+    pub hardware: Hardware,
+    /// The controllers.
+    pub controllers: &'a [Settings<f32>],
+    /// The plants.
+    pub plants: &'a [Draw],
+}
+
+/// What flies batches.
+pub trait Device: Debug + Send + Sync {
+    /// The sums of every flight, controller by controller, each in the order of the plants. Nothing if `stop`
+    /// says so before all are known, or if the device has failed; then it keeps why, and gives nothing more.
+    fn fly(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Flown>>;
+
+    /// For every flight whether and how a board would end it, in the same order and on the same terms.
+    fn cuts(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Option<Ended>>>;
+}

@@ -1,0 +1,236 @@
+//! A flight of the robust objective, tick by tick: what is asked for, what befalls it, and the sums that it
+//! is judged by.
+//!
+//! One copy for the lanes of the tuner and for a GPU's threads, over any [`Real`] in single precision.
+
+use crate::closed_loop::{BoardLoop, ClosedLoop, RigLoop};
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::plant::presets::Envelope;
+use twinrotor::real::{Mask, Real};
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{ArmState, Condition};
+
+use crate::metrics::{LastOutside, Overshoot};
+
+/// \[rad\] An error beyond which a flight has diverged: a turn.
+const DIVERGED: f64 = core::f64::consts::TAU;
+/// \[ticks\] The second before the disturbance, in which holding is judged.
+pub const HOLD: u32 = 1000;
+/// \[ticks\] From one question whether to stop to the next: milliseconds.
+const ASK_EVERY: u32 = 4096;
+/// Share of the heat of the continuous current with which motors are hot.
+pub const HOT: f64 = 0.9;
+
+/// What happens in a flight, asked tick by tick from 0 on.
+pub trait Course {
+    /// What is asked for from this tick on, where that changes.
+    fn asked(&mut self, tick: u32) -> Option<Reference<f32>>;
+
+    /// \[-\] What pushes in this tick, in parts of the plant's disturbance; `None` for nothing.
+    fn push(&mut self, tick: u32) -> Option<f32>;
+}
+
+/// What a flight is judged by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rules {
+    /// \[rad\] Where to.
+    pub goal: PerAxis<f64>,
+    /// Where the rig may be.
+    pub envelope: Envelope,
+    /// \[ticks\] From here on errors are summed as those after a disturbance.
+    pub disturbance: u32,
+    /// The first tick after the flight.
+    pub end: u32,
+    /// With hot motors from the second tick on; the board arms in the first.
+    pub hot: bool,
+}
+
+/// The sums of a flight in every lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Sums<R: Real> {
+    last_outside_2: PerAxis<LastOutside<R>>,
+    overshoot: PerAxis<Overshoot<R>>,
+    hold_squares: PerAxis<R>,
+    disturbed_squares: PerAxis<R>,
+    variation: R,
+    saturated: R,
+    outside_5: R::Mask,
+    left_envelope: R::Mask,
+    diverged: R::Mask,
+    volts: PerMotor<R>,
+}
+
+/// The sums of one flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flown {
+    /// \[ticks\] The last tick before the disturbance with an error beyond 2 % of the goal; -1 for none.
+    pub last_outside_2: PerAxis<f32>,
+    /// \[rad\] Most beyond the goal before the disturbance.
+    pub overshoot: PerAxis<f32>,
+    /// \[rad²\] Squared errors in the [`HOLD`] ticks before the disturbance.
+    pub hold_squares: PerAxis<f32>,
+    /// \[rad²\] Squared errors from the disturbance on.
+    pub disturbed_squares: PerAxis<f32>,
+    /// \[V\] By which the motors' volts changed while holding.
+    pub variation: f32,
+    /// \[ticks\] With more asked of a motor than its limit.
+    pub saturated: f32,
+    /// Beyond 5 % of the goal in the last tick before the disturbance.
+    pub outside_5: bool,
+    /// It left its envelope.
+    pub left_envelope: bool,
+    /// More than a turn astray, or an angle not finite.
+    pub diverged: bool,
+}
+
+impl<R: Real<Scalar = f32>> Sums<R> {
+    fn new(rules: &Rules) -> Self {
+        let zero = PerAxis::both(R::zero());
+        let none = R::Mask::splat(false);
+        Self {
+            last_outside_2: rules.band(0.02).map(LastOutside::new),
+            overshoot: rules.goal.map(Overshoot::new),
+            hold_squares: zero,
+            disturbed_squares: zero,
+            variation: R::zero(),
+            saturated: R::zero(),
+            outside_5: none,
+            left_envelope: none,
+            diverged: none,
+            volts: PerMotor::zero(),
+        }
+    }
+
+    /// Those of the flight in this lane.
+    pub fn lane(&self, lane: usize) -> Flown {
+        let of = |x: R| x.lane(lane);
+        Flown {
+            last_outside_2: self.last_outside_2.map(|last| of(last.tick)),
+            overshoot: self.overshoot.map(|overshoot| of(overshoot.most)),
+            hold_squares: self.hold_squares.map(of),
+            disturbed_squares: self.disturbed_squares.map(of),
+            variation: of(self.variation),
+            saturated: of(self.saturated),
+            outside_5: self.outside_5.lane(lane),
+            left_envelope: self.left_envelope.lane(lane),
+            diverged: self.diverged.lane(lane),
+        }
+    }
+}
+
+impl Rules {
+    /// \[rad\] So much of the goal, either way.
+    fn band<R: Real>(&self, part: f64) -> PerAxis<R> {
+        self.goal.map(|g| R::from_f64(part * g.abs()))
+    }
+}
+
+/// Flies to the end, unless `stop` says that nobody waits for it. The motors' `limit` \[V\] is what the
+/// controller knows, `disturbance` \[V\] what the course's pushes are parts of.
+#[inline(always)]
+pub fn fly<R: Real<Scalar = f32>>(
+    mut closed_loop: RigLoop<R>,
+    limit: PerMotor<R>,
+    disturbance: PerMotor<R>,
+    rules: &Rules,
+    mut course: impl Course,
+    stop: impl Fn() -> bool,
+) -> Option<Sums<R>> {
+    let envelope = rules.envelope;
+    let mut reference = Reference::at_rest(rules.goal.cast::<R>());
+    let band_5: PerAxis<R> = rules.band(0.05);
+    let mut s = Sums::new(rules);
+    for tick in 0..rules.end {
+        if tick % ASK_EVERY == 0 && stop() {
+            return None;
+        }
+        if let Some(asked) = course.asked(tick) {
+            reference = Reference::splat(&asked);
+        }
+        let push = match course.push(tick) {
+            Some(part) => disturbance.scaled(R::splat(part)),
+            None => PerMotor::zero(),
+        };
+        if rules.hot && tick == 1 {
+            closed_loop.warm(R::from_f64(HOT));
+        }
+        let disturbed = tick >= rules.disturbance;
+        let happened = hidden(&mut closed_loop).tick(&reference, push);
+        let error = happened.error();
+        let square = error.map(|e| e * e);
+        if disturbed {
+            s.disturbed_squares = s.disturbed_squares.plus(square);
+        } else {
+            let now = R::from_f64(f64::from(tick));
+            s.last_outside_2.pitch.add(now, error.pitch.abs());
+            s.last_outside_2.yaw.add(now, error.yaw.abs());
+            s.overshoot.pitch.add(error.pitch);
+            s.overshoot.yaw.add(error.yaw);
+            let outside = error.zip(band_5, |e, band| band.lt(e.abs()));
+            s.outside_5 = outside.pitch | outside.yaw;
+            if tick + HOLD >= rules.disturbance {
+                s.hold_squares = s.hold_squares.plus(square);
+                let change = happened.applied.zip(s.volts, |v, before| (v - before).abs());
+                s.variation = s.variation + (change.main + change.tail);
+            }
+        }
+        s.volts = happened.applied;
+        let over = happened.decision.allocation.saturated(limit);
+        s.saturated = s.saturated + R::select(over.main | over.tail, R::one(), R::zero());
+        let state = &happened.state;
+        let far = |e: R| !e.abs().lt(R::from_f64(DIVERGED));
+        s.diverged = s.diverged | far(error.pitch) | far(error.yaw);
+        let beyond = |x: R, most: f64| R::from_f64(most).lt(x.abs());
+        s.left_envelope = s.left_envelope
+            | beyond(state.angle.pitch, envelope.pitch)
+            | beyond(state.rate.pitch, envelope.rate.pitch)
+            | beyond(state.rate.yaw, envelope.rate.yaw);
+    }
+    Some(s)
+}
+
+/// A flight that the board ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ended {
+    /// In which tick.
+    pub tick: u32,
+    /// What the motors were cut for.
+    pub condition: Condition,
+}
+
+/// Flies as the board does, with its supervisor, which cuts motors, until it does so; `None` if it does not.
+#[inline(always)]
+pub fn cut(
+    mut board: BoardLoop,
+    disturbance: PerMotor<f32>,
+    rules: &Rules,
+    mut course: impl Course,
+) -> Option<Ended> {
+    let mut asked = Reference::default();
+    for tick in 0..rules.end {
+        asked = course.asked(tick).unwrap_or(asked);
+        if rules.hot && tick == 1 {
+            board.warm(f32::from_f64(HOT));
+        }
+        let push = course.push(tick).map_or(PerMotor::zero(), |part| disturbance.scaled(part));
+        board.tick(&asked, push);
+        if let Some(ArmState::Fault(condition)) = board.arm_state() {
+            return Some(Ended { tick, condition });
+        }
+    }
+    None
+}
+
+/// Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators and
+/// allocations. On a GPU, where what is hidden would not stay in registers, it is not.
+#[inline(always)]
+fn hidden<T>(of: &mut T) -> &mut T {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        of
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        core::hint::black_box(of)
+    }
+}

@@ -1,0 +1,15 @@
+//! Twinrotor's closed loops on a GPU: what one thread flies. The same functions of the same crates as on a
+//! board and in the tuner's lanes, so the same bits; nothing is computed here.
+
+#![no_std]
+#![cfg_attr(target_arch = "nvptx64", feature(abi_ptx, stdarch_nvptx))]
+
+#[cfg(feature = "host")]
+extern crate std;
+
+#[cfg(feature = "host")]
+pub mod host;
+#[cfg(target_arch = "nvptx64")]
+mod ptx;
+pub mod robust;
+pub mod words;

@@ -1,0 +1,268 @@
+//! One flight of the robust objective, as one thread flies it: numbers out of memory, the closed loop of
+//! `twinrotor-sim`, sums into memory.
+
+use crate::words;
+use serde::{Deserialize, Serialize};
+use twinrotor::SAMPLE_TIME;
+use twinrotor::allocation::AllocationSettings;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::{Hardware, Wear};
+use twinrotor::controller::ControllerSettings;
+use twinrotor::estimator::EstimatorSettings;
+use twinrotor::law::LawSettings;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::{Envelope, PAPER};
+use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::Condition;
+use twinrotor_sim::closed_loop::{BoardLoop, RigLoop};
+use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
+
+/// What all flights of a launch have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Common {
+    /// \[rad\] Where to.
+    pub goal: PerAxis<f64>,
+    /// Where the rig may be.
+    pub envelope: Envelope,
+    /// \[ticks\] From here on errors are summed as those after a disturbance.
+    pub disturbance: u32,
+    /// The first tick after the flight.
+    pub end: u32,
+    /// With hot motors from the second tick on.
+    pub hot: bool,
+    /// Counts a revolution, as they are and as the controller has them.
+    pub encoder_counts: PerAxis<u32>,
+    /// The same, as the controller has them.
+    pub believed_counts: PerAxis<u32>,
+    /// Compare steps between zero and full voltage.
+    pub pwm_steps: u32,
+    /// \[V\] Supply of the amplifiers.
+    pub supply: f64,
+}
+
+impl Common {
+    /// Of flights that are judged by `rules`, with `hardware` that is not worn.
+    pub fn new(rules: &Rules, hardware: &Hardware) -> Self {
+        let Rules { goal, envelope, disturbance, end, hot } = *rules;
+        let Hardware { encoder_counts, believed_counts, pwm_steps, supply, .. } = *hardware;
+        Self { goal, envelope, disturbance, end, hot, encoder_counts, believed_counts, pwm_steps, supply }
+    }
+
+    #[inline(always)]
+    fn rules(&self) -> Rules {
+        let Self { goal, envelope, disturbance, end, hot, .. } = *self;
+        Rules { goal, envelope, disturbance, end, hot }
+    }
+
+    /// Nothing of it is worn.
+    #[inline(always)]
+    fn hardware(&self, encoder_phase: PerAxis<f64>) -> Hardware {
+        Hardware {
+            encoder_counts: self.encoder_counts,
+            encoder_phase,
+            pwm_steps: self.pwm_steps,
+            supply: self.supply,
+            believed_counts: self.believed_counts,
+            wear: Wear::default(),
+        }
+    }
+}
+
+/// What a launch reads.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// A [`Common`] in [words].
+    pub common: &'a [u32],
+    /// Controllers' settings in [words], each in `each` of them.
+    pub settings: &'a [u32],
+    /// Words that each controller has.
+    pub each: u32,
+    /// Plants' numbers in the order in which they are read: number k of plant p at k x `count` + p, so that
+    /// neighbours read side by side.
+    pub plants: &'a [u32],
+    /// How many plants there are.
+    pub count: u32,
+    /// The course by its changes, [`CHANGE`] words each, in the order of their ticks.
+    pub course: &'a [u32],
+}
+
+/// The same controller, of the kinds that every preset's default has, as far as the compiler knows: it leaves
+/// out what else there could be. `None` for one of other kinds.
+#[inline(always)]
+pub fn usual(settings: Settings<f32>) -> Option<Settings<f32>> {
+    let ControllerSettings { law, estimator, filter, allocation, lead, cancellation } = settings.controller;
+    let LawSettings::IntegralBackstepping(gains) = law else { return None };
+    let gains = LawSettings::IntegralBackstepping(gains);
+    let estimator = match estimator {
+        EstimatorSettings::Luenberger { bandwidth } => EstimatorSettings::Luenberger { bandwidth },
+        EstimatorSettings::ExtendedState { bandwidth } => EstimatorSettings::ExtendedState { bandwidth },
+        _ => return None,
+    };
+    let AllocationSettings::Weighted { pitch_weight } = allocation else { return None };
+    let controller = ControllerSettings {
+        law: gains,
+        estimator,
+        filter: Some(filter?),
+        allocation: AllocationSettings::Weighted { pitch_weight },
+        lead,
+        cancellation,
+    };
+    Some(Settings { controller, ..settings })
+}
+
+/// What a flight begins with.
+struct Start<'a> {
+    settings: Settings<f32>,
+    plant: RealPlant<f32>,
+    disturbance: PerMotor<f32>,
+    phase: PerAxis<f32>,
+    common: Common,
+    course: Changes<'a>,
+}
+
+impl<'a> Given<'a> {
+    /// That of the flight of this number: controller by controller, each on every plant. `None` where the
+    /// words do not say what they should.
+    #[inline(always)]
+    fn start(&self, number: u32) -> Option<Start<'a>> {
+        let count = self.count.max(1);
+        let (controller, plant) = (number / count, number % count);
+        let begin = controller as usize * self.each as usize;
+        let settings = words::read(self.settings.get(begin..begin + self.each as usize)?).ok()?;
+        let common = words::read(self.common).ok()?;
+        let mut k = plant as usize;
+        let mut next = || {
+            let word = self.plants.get(k).copied().unwrap_or(0);
+            k += count as usize;
+            f32::from_bits(word)
+        };
+        // What these presets say is not read: they are the structures that the numbers fill.
+        let constants: PlantParameters<f32> = PAPER.plant.map(|_| next());
+        let rotors = LaggedRotors::<f32>::new(&PAPER.plant, SAMPLE_TIME).map(|_| next());
+        let disturbance = PerMotor::new(next(), next());
+        let phase = PerAxis::new(next(), next());
+        let plant = RealPlant::assemble(constants, rotors, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
+        Some(Start { settings, plant, disturbance, phase, common, course })
+    }
+}
+
+/// Flies the flight of this number. `narrow` gives the controller back, of fewer kinds than there are. `None`
+/// where it does not, or the words do not say what they should.
+#[inline(always)]
+pub fn flight(
+    given: &Given<'_>,
+    number: u32,
+    narrow: impl Fn(Settings<f32>) -> Option<Settings<f32>>,
+) -> Option<Flown> {
+    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
+    let settings = narrow(settings)?;
+    let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
+    let sums = fly(closed_loop, settings.volts_limit, disturbance, &common.rules(), course, || false)?;
+    Some(sums.lane(0))
+}
+
+/// Words of what [`cut`] finds.
+pub const CUT: usize = 2;
+
+/// Flies the flight of this number as the board does, and says whether its supervisor ends it: the tick and
+/// the condition's number, or [`u32::MAX`] twice.
+#[inline(always)]
+pub fn cut(given: &Given<'_>, number: u32) -> Option<[u32; CUT]> {
+    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
+    let board = BoardLoop::new(plant, &common.hardware(phase.map(f64::from)), &settings);
+    let ended = judged::cut(board, disturbance, &common.rules(), course);
+    Some(ended.map_or([u32::MAX; CUT], |ended| [ended.tick, ended.condition as u32]))
+}
+
+/// What the words of [`cut`] say.
+pub fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
+    let condition = *Condition::ALL.get(condition as usize)?;
+    Some(Ended { tick, condition })
+}
+
+/// Words of a change of a course: the tick; 1 where something else is asked for from then on, plus 2 where
+/// something pushes; angle, rate and acceleration asked for, pitch and yaw each; the push.
+pub const CHANGE: usize = 9;
+
+/// A course by its changes, in the order of their ticks.
+#[derive(Debug)]
+struct Changes<'a> {
+    words: &'a [u32],
+    /// The change to come, and its tick.
+    next: usize,
+    at: u32,
+    push: Option<f32>,
+}
+
+#[inline(always)]
+fn first_tick(words: &[u32]) -> u32 {
+    words.first().copied().unwrap_or(u32::MAX)
+}
+
+impl Course for Changes<'_> {
+    #[inline(always)]
+    fn asked(&mut self, tick: u32) -> Option<Reference<f32>> {
+        if tick != self.at {
+            return None;
+        }
+        let here = self.words.get(self.next..)?;
+        self.next += CHANGE;
+        self.at = here.get(CHANGE).copied().unwrap_or(u32::MAX);
+        let flags = here.get(1).copied().unwrap_or(0);
+        let number = |k: usize| f32::from_bits(here.get(k).copied().unwrap_or(0));
+        self.push = (flags & 2 != 0).then(|| number(8));
+        (flags & 1 != 0).then(|| Reference {
+            angle: PerAxis::new(number(2), number(3)),
+            rate: PerAxis::new(number(4), number(5)),
+            accel: PerAxis::new(number(6), number(7)),
+        })
+    }
+
+    #[inline(always)]
+    fn push(&mut self, _tick: u32) -> Option<f32> {
+        self.push
+    }
+}
+
+/// Words of a [`Flown`].
+pub const FLOWN: usize = 11;
+
+/// A flight's sums in words.
+#[inline(always)]
+pub fn to_words(flown: &Flown) -> [u32; FLOWN] {
+    let flags =
+        u32::from(flown.outside_5) | u32::from(flown.left_envelope) << 1 | u32::from(flown.diverged) << 2;
+    [
+        flown.last_outside_2.pitch.to_bits(),
+        flown.last_outside_2.yaw.to_bits(),
+        flown.overshoot.pitch.to_bits(),
+        flown.overshoot.yaw.to_bits(),
+        flown.hold_squares.pitch.to_bits(),
+        flown.hold_squares.yaw.to_bits(),
+        flown.disturbed_squares.pitch.to_bits(),
+        flown.disturbed_squares.yaw.to_bits(),
+        flown.variation.to_bits(),
+        flown.saturated.to_bits(),
+        flags,
+    ]
+}
+
+/// The other way round.
+pub fn from_words(words: [u32; FLOWN]) -> Flown {
+    let number = |k: usize| words.get(k).map_or(0.0, |word| f32::from_bits(*word));
+    let pair = |k: usize| PerAxis::new(number(k), number(k + 1));
+    let [.., flags] = words;
+    Flown {
+        last_outside_2: pair(0),
+        overshoot: pair(2),
+        hold_squares: pair(4),
+        disturbed_squares: pair(6),
+        variation: number(8),
+        saturated: number(9),
+        outside_5: flags & 1 != 0,
+        left_envelope: flags & 2 != 0,
+        diverged: flags & 4 != 0,
+    }
+}

@@ -1,0 +1,128 @@
+//! What a GPU is given and what comes back, by a stand-in for its driver that runs the kernels' functions.
+
+use std::sync::Arc;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets;
+use twinrotor::real::Real as _;
+use twinrotor::{SAMPLE_TIME, defaults};
+use twinrotor_gpu::host::driver::Fault;
+use twinrotor_gpu::host::stand_in::StandIn;
+use twinrotor_gpu::host::{Card, written};
+use twinrotor_gpu::words;
+use twinrotor_sim::device::Device;
+use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::parallel::NEVER;
+use twinrotor_tune::robust::{Scenes, Trial};
+
+fn on(trial: &Trial, driver: StandIn) -> (Trial, Arc<Card<StandIn>>) {
+    let card = Arc::new(Card::new(driver));
+    (trial.clone().on(Some(Arc::clone(&card) as Arc<dyn Device>)), card)
+}
+
+/// Every controller's numbers and kinds, to the bit.
+#[test]
+fn settings_come_back_from_words_as_they_went() {
+    for (name, rig) in presets::ALL {
+        let ours = defaults::named(name).expect("every preset has one");
+        for controller in CATALOGUE.iter().map(|(_, design)| design(&rig)).chain([ours]) {
+            let settings = Settings::new(&rig, controller, SAMPLE_TIME).map(f32::from_f64);
+            let words_of = written(&settings).unwrap();
+            assert_eq!(words::read::<Settings<f32>>(&words_of), Ok(settings));
+            let short = &words_of[..words_of.len() - 1];
+            assert_eq!(words::read::<Settings<f32>>(short), Err(words::Mismatch));
+        }
+    }
+}
+
+/// Every preset with its own controller, and every kind of controller, on the step and on all scenes; and
+/// what a board would cut of them.
+#[test]
+fn a_device_gives_the_scores_of_this_processor() {
+    let mut cut = 0;
+    for (name, rig) in presets::ALL {
+        let mut trial = Trial::new(&rig, 5, 7, 1.1).flying(Scenes::All);
+        // Whose tail motor turns the wrong way, a board cuts.
+        let thrust = &mut trial.plants[3].plant.effectiveness;
+        (thrust.tail_on_yaw, thrust.tail_on_pitch) = (-thrust.tail_on_yaw, -thrust.tail_on_pitch);
+        let (device, card) = on(&trial, StandIn::default());
+        let ours = defaults::named(name).expect("every preset has one");
+        let rivals = CATALOGUE.iter().filter(|_| name == "aero-lab").map(|(_, design)| design(&rig));
+        for controller in rivals.chain([ours]) {
+            let here = trial.scores(&controller);
+            assert_eq!(device.scores_until(&controller, NEVER), Some(here), "{name}, {controller:?}");
+            let cuts = trial.cuts(&controller, NEVER);
+            assert_eq!(device.cuts(&controller, NEVER), cuts, "{name}, {controller:?}");
+            cut += cuts.unwrap().iter().flatten().count();
+        }
+        assert_eq!(card.failure(), None);
+    }
+    assert!(cut >= 3, "{cut} were cut");
+}
+
+/// A rig that its owner takes for another: other encoders, another envelope.
+#[test]
+fn a_device_flies_a_rig_that_is_taken_for_another() {
+    let mut trial = Trial::new(&presets::AERO2, 4, 3, 1.2);
+    trial.truth = presets::HELI;
+    trial.truth.volts_limit = trial.rig.volts_limit;
+    let (device, _) = on(&trial, StandIn::default());
+    let here = trial.scores(&defaults::AERO2);
+    assert_eq!(device.scores_until(&defaults::AERO2, NEVER), Some(here));
+    // Amplifiers that give less are worn hardware, which this processor flies by itself.
+    trial.truth.volts_limit = trial.rig.volts_limit.map(|v| 0.5 * v);
+    let (device, card) = on(&trial, StandIn::with(1 << 20, 0));
+    let here = trial.scores(&defaults::AERO2);
+    assert_eq!((device.scores_until(&defaults::AERO2, NEVER), card.failure()), (Some(here), None));
+}
+
+/// Candidates with their bounds: the same scores, and the same plants spared.
+#[test]
+fn a_generation_in_one_launch_is_what_one_by_one_is() {
+    let trial = Trial::new(&presets::AERO2, 40, 1, 1.1);
+    let cost = trial.cost(&defaults::AERO2);
+    let parts = [0.1, 0.6, 1.0, 2.0, f64::INFINITY];
+    let generation = parts.map(|part| (defaults::AERO2, part * cost));
+    let (device, card) = on(&trial, StandIn::default());
+    let here = trial.all_below(&generation, NEVER).unwrap();
+    assert!(here.iter().any(|(scores, flown)| scores.is_none() && *flown < 40));
+    assert_eq!(device.all_below(&generation, NEVER), Some(here));
+    assert_eq!(card.driver().launches(), 1);
+}
+
+/// What does not fit goes in several launches; the scores are the same.
+#[test]
+fn little_memory_takes_more_launches() {
+    let trial = Trial::new(&presets::PAPER, 150, 1, 1.0);
+    let here = trial.scores(&defaults::PAPER);
+    // With memory for about fifty plants; with less than it says it has.
+    for driver in [StandIn::with(12_000, u64::MAX), StandIn::claiming(1 << 30, 12_000, u64::MAX)] {
+        let (device, card) = on(&trial, driver);
+        assert_eq!(device.scores_until(&defaults::PAPER, NEVER).as_ref(), Some(&here));
+        assert!(card.driver().launches() > 2, "{} launches", card.driver().launches());
+    }
+    let (device, card) = on(&trial, StandIn::with(3_000, u64::MAX));
+    assert_eq!(device.scores_until(&defaults::PAPER, NEVER), None);
+    assert_eq!(card.failure(), Some(Fault::Memory));
+}
+
+/// A card that is lost in the middle of the work gives nothing more, and says why once and for all.
+#[test]
+fn a_lost_card_gives_nothing_and_keeps_why() {
+    let trial = Trial::new(&presets::PAPER, 100, 1, 1.0);
+    let (device, card) = on(&trial, StandIn::with(12_000, 1));
+    for _ in 0..2 {
+        assert_eq!(device.scores_until(&defaults::PAPER, NEVER), None);
+        assert_eq!(card.failure().unwrap().to_string(), "the CUDA device failed: unplugged");
+    }
+    assert_eq!(card.driver().launches(), 1);
+}
+
+/// Who does not wait for the result gets none, and the card is as good as before.
+#[test]
+fn a_stop_is_heard_before_a_launch() {
+    let trial = Trial::new(&presets::PAPER, 20, 1, 1.0);
+    let (device, card) = on(&trial, StandIn::default());
+    assert_eq!(device.scores_until(&defaults::PAPER, &|| true), None);
+    assert_eq!((card.failure(), card.driver().launches()), (None, 0));
+    assert!(device.scores_until(&defaults::PAPER, NEVER).is_some());
+}
