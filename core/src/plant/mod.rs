@@ -139,6 +139,17 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
 }
 
 impl<R: Real> RealPlant<R> {
+    /// In the lanes of `which` it goes on where `other` is: pose, rates and what the rotors do, to the bit.
+    pub fn go_on(&mut self, which: R::Mask, other: &Self) {
+        let sums = |own: PerAxis<Compensated<R>>, others: PerAxis<Compensated<R>>| {
+            own.zip(others, |own, others| Compensated::select(which, others, own))
+        };
+        self.angle = sums(self.angle, other.angle);
+        self.rate = sums(self.rate, other.rate);
+        let volts = self.rotors.volts.zip(other.rotors.volts, |own, others| R::select(which, others, own));
+        self.rotors.volts = volts;
+    }
+
     /// Its rotors turn at once as they do when `volts` \[V\] have been applied for long.
     pub fn set_rotors(&mut self, volts: PerMotor<R>) {
         self.rotors.volts = volts;

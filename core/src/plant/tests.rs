@@ -180,3 +180,25 @@ fn a_motor_that_lost_half_its_thrust_gives_half_on_both_axes() {
     assert_eq!(torque(&half, main), torque(&p, main).scaled(0.5));
     assert_eq!(torque(&half, tail), torque(&p, tail));
 }
+
+/// One that goes on where another is flies on as that one does, to the bit; else it stays what it was.
+#[test]
+fn a_plant_goes_on_where_another_is() {
+    let parameters = presets::AERO_LAB.plant;
+    let begun = || RealPlant::<f32>::new(&parameters, State::default(), 1e-3);
+    let fly = |plant: &mut RealPlant<f32>| {
+        for k in 0..300_u16 {
+            plant.advance(PerMotor::new(f32::from(k % 70) * 0.2, -5.0), PerMotor::zero());
+        }
+    };
+    let mut flown = begun();
+    fly(&mut flown);
+    let [mut same, mut fresh] = [begun(), begun()];
+    same.go_on(true, &flown);
+    fresh.go_on(false, &flown);
+    assert_eq!((same, fresh), (flown, begun()));
+    fly(&mut same);
+    fly(&mut flown);
+    assert_eq!(same, flown);
+    assert!(flown.state().rate.pitch.abs() > 0.01);
+}

@@ -2,11 +2,11 @@
 
 use super::Cut;
 use super::scenes::{SCENES, SceneScore};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use twinrotor::axes::PerAxis;
 
 /// One flight in numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// \[s\] Last time the error was outside 2 % of the step before the disturbance; the disturbance time if
     /// it still was then.

@@ -4,6 +4,7 @@
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{Effectiveness, PlantParameters};
@@ -17,7 +18,7 @@ pub const SPREAD: f64 = 0.3;
 pub const LAG_SPREAD: f64 = 0.7;
 
 /// How far constants may lie from the preset's.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
     /// Part of the body's constants and thrust gains, 0 to .9.
     pub constants: f64,
