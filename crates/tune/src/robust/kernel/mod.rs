@@ -14,7 +14,7 @@ use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
 use twinrotor_sim::closed_loop::{ClosedLoop, Hardware, RigLoop};
 use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
-use twinrotor_sim::metrics::{LastOutside, Overshoot};
+use twinrotor_sim::metrics::{Overshoot, Settling};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// \[rad\] An error beyond which a flight has diverged: a turn.
@@ -27,7 +27,7 @@ const ASK_EVERY: u32 = 4096;
 /// The sums of a flight in every lane.
 #[derive(Debug, Clone, Copy)]
 struct Sums<R: Real> {
-    last_outside_2: PerAxis<LastOutside<R>>,
+    settling_2: PerAxis<Settling<R>>,
     overshoot: PerAxis<Overshoot<R>>,
     hold_squares: PerAxis<R>,
     disturbed_squares: PerAxis<R>,
@@ -41,7 +41,8 @@ struct Sums<R: Real> {
 
 /// One lane of them.
 struct Lane {
-    last_outside_2: PerAxis<f64>,
+    /// \[ticks\] None where the error was still outside when the disturbance came.
+    settling_2: PerAxis<Option<f64>>,
     overshoot: PerAxis<f64>,
     hold_squares: PerAxis<f64>,
     disturbed_squares: PerAxis<f64>,
@@ -53,10 +54,11 @@ struct Lane {
 }
 
 impl<R: Real> Sums<R> {
-    fn lane(&self, lane: usize) -> Lane {
+    /// A lane, with the disturbance at `disturbance` \[ticks\].
+    fn lane(&self, lane: usize, disturbance: u32) -> Lane {
         let of = |x: R| -> f64 { x.lane(lane).into() };
         Lane {
-            last_outside_2: self.last_outside_2.map(|last| of(last.tick)),
+            settling_2: self.settling_2.map(|settling| settling.time(lane, disturbance.saturating_sub(1))),
             overshoot: self.overshoot.map(|overshoot| of(overshoot.most)),
             hold_squares: self.hold_squares.map(of),
             disturbed_squares: self.disturbed_squares.map(of),
@@ -107,7 +109,7 @@ impl Kernel for Flights<'_> {
     #[inline(always)]
     fn run<R: Real<Scalar = f32>>(self) -> Option<Vec<Lane>> {
         let sums = fly::<R>(&self)?;
-        Some((0..self.plants.len()).map(|k| sums.lane(k)).collect())
+        Some((0..self.plants.len()).map(|k| sums.lane(k, self.course.disturbance)).collect())
     }
 }
 
@@ -157,7 +159,7 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
     let zero = PerAxis::both(R::zero());
     let none = R::Mask::splat(false);
     let mut s = Sums {
-        last_outside_2: band(0.02).map(LastOutside::new),
+        settling_2: band(0.02).map(Settling::new),
         overshoot: goal.map(Overshoot::new),
         hold_squares: zero,
         disturbed_squares: zero,
@@ -192,8 +194,8 @@ fn fly<R: Real<Scalar = f32>>(flights: &Flights<'_>) -> Option<Sums<R>> {
             s.disturbed_squares = s.disturbed_squares.plus(square);
         } else {
             let now = R::from_f64(f64::from(tick));
-            s.last_outside_2.pitch.add(now, error.pitch.abs());
-            s.last_outside_2.yaw.add(now, error.yaw.abs());
+            s.settling_2.pitch.add(now, error.pitch.abs());
+            s.settling_2.yaw.add(now, error.yaw.abs());
             s.overshoot.pitch.add(error.pitch);
             s.overshoot.yaw.add(error.yaw);
             let outside = error.zip(band_5, |e, band| band.lt(e.abs()));
@@ -225,13 +227,10 @@ impl Lane {
         if self.diverged {
             return Score::diverged(allowance);
         }
-        let settled = |last: f64| {
-            let last = last.max(0.0);
-            if last >= f64::from(course.disturbance - 1) { allowance } else { last * SAMPLE_TIME }
-        };
+        let settled = |ticks: Option<f64>| ticks.map_or(allowance, |ticks| ticks * SAMPLE_TIME);
         let hold = HOLD.min(course.disturbance);
         Score {
-            settling_time: self.last_outside_2.map(settled),
+            settling_time: self.settling_2.map(settled),
             overshoot_percent: self.overshoot.zip(course.goal, |most, step| 100.0 * most / step),
             disturbance_rms_deg: rms(self.disturbed_squares, course.end - course.disturbance)
                 .map(f64::to_degrees),
@@ -260,83 +259,4 @@ fn rms(squares: PerAxis<f64>, ticks: u32) -> PerAxis<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::Scenes;
-    use super::*;
-    use crate::design::CATALOGUE;
-    use twinrotor::plant::presets;
-    use twinrotor_sim::closed_loop::BoardLoop;
-    use twinrotor_sim::lanes::{in_lanes_with, levels};
-
-    /// Every lane against the board's own control loop on that plant, tick by tick.
-    struct Compared<'a> {
-        flights: Flights<'a>,
-        boards: Vec<BoardLoop>,
-        name: &'a str,
-    }
-
-    impl Kernel for Compared<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn run<R: Real<Scalar = f32>>(mut self) {
-            let plants = self.flights.plants;
-            let mut lanes = self.flights.closed_loop::<R>();
-            let push = self.flights.disturbance::<R>();
-            let course = self.flights.course;
-            let mut asked = Reference::default();
-            for tick in 0..course.end {
-                asked = course.asked(tick).unwrap_or(asked);
-                let part = course.push(tick);
-                let group = part.map_or(PerMotor::zero(), |part| push.scaled(R::splat(part)));
-                if course.hot && tick == 1 {
-                    lanes.warm(R::from_f64(HOT));
-                    self.boards.iter_mut().for_each(|board| board.warm(f32::from_f64(HOT)));
-                }
-                let together = black_box(&mut lanes).tick(&Reference::splat(&asked), group);
-                for (k, board) in self.boards.iter_mut().enumerate() {
-                    let alone_push = part
-                        .map_or(PerMotor::zero(), |part| plants[k].disturbance.cast::<f32>().scaled(part));
-                    let alone = board.tick(&asked, alone_push);
-                    let bits = |x: f32| x.to_bits();
-                    assert_eq!(
-                        (alone.state.angle.map(bits), alone.applied.map(bits)),
-                        (
-                            together.state.angle.map(|x| bits(x.lane(k))),
-                            together.applied.map(|x| bits(x.lane(k)))
-                        ),
-                        "{}, {}, plant {k}, tick {tick}",
-                        self.name,
-                        course.name
-                    );
-                }
-            }
-        }
-    }
-
-    /// In every lane, with every instruction set, the drawn plant flies the step and every scene, bit for
-    /// bit, as it does with the board's own control loop.
-    #[test]
-    fn a_lane_is_the_boards_flight() {
-        for (name, rig) in
-            [("integral", presets::PAPER), ("cancelling", presets::AERO_LAB), ("lqi", presets::AERO2)]
-        {
-            let design = CATALOGUE.iter().find(|(n, _)| *n == name).expect("it is there").1;
-            let settings = Settings::new(&rig, design(&rig), SAMPLE_TIME).map(f32::from_f64);
-            let trial = Trial { scenes: Scenes::All, ..Trial::new(&rig, 3, 11, 0.75) };
-            for (course, level) in
-                Course::all(&trial).iter().flat_map(|c| levels().into_iter().map(move |l| (c, l)))
-            {
-                let flights = Flights::new(&trial, course, &settings, &trial.plants);
-                let boards = trial
-                    .plants
-                    .iter()
-                    .map(|d| {
-                        let plant = RealPlant::new(&d.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-                        BoardLoop::new(plant, &Hardware::of(&rig, d.encoder_phase), &settings)
-                    })
-                    .collect();
-                in_lanes_with(level, Compared { flights, boards, name });
-            }
-        }
-    }
-}
+mod tests;
