@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Worn};
+use twinrotor::bench::Bench;
 use twinrotor::plant::PlantParameters;
 use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
@@ -21,6 +21,8 @@ pub struct Now {
     pub torque: PerAxis<f64>,
     /// \[counts\] Whole counts that the encoders show beside those there are.
     pub noise: PerAxis<f64>,
+    /// \[ticks\] By how many the volts come later than their delay.
+    pub jitter: u32,
     /// The supply, where it is not as it should be.
     pub supply: Option<Lowered>,
     /// What the plant becomes, where it becomes another.
@@ -43,6 +45,7 @@ impl Now {
             volts: PerMotor::zero(),
             torque: PerAxis::zero(),
             noise: PerAxis::zero(),
+            jitter: 0,
             supply: None,
             change: None,
         }
@@ -92,6 +95,7 @@ pub struct Befalls {
     tick: u32,
     random: ChaCha8Rng,
     noise: ChaCha8Rng,
+    late: ChaCha8Rng,
     value: PerMotor<f64>,
     before: Change,
 }
@@ -99,14 +103,18 @@ pub struct Befalls {
 impl Scenario {
     /// What befalls the rig from tick 0 on, without end; `seed` is of all that is random.
     pub fn befalls(&self, seed: u64) -> Befalls {
-        let mut noise = ChaCha8Rng::seed_from_u64(seed);
         // Other streams are the disturbance's, the encoders' phase, the drawn plants.
-        noise.set_stream(3);
+        let stream = |number: u64| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            random.set_stream(number);
+            random
+        };
         Befalls {
             scenario: self.clone(),
             tick: 0,
             random: ChaCha8Rng::seed_from_u64(seed),
-            noise,
+            noise: stream(3),
+            late: stream(4),
             value: PerMotor::both(0.0),
             before: Change::default(),
         }
@@ -122,6 +130,7 @@ impl Scenario {
             || events.sine.iter().any(|sine| turns(sine.torque))
             || !(events.weight.is_empty() && events.thrust.is_empty() && events.supply.is_empty())
             || self.hardware.noise_counts != [0; 2]
+            || self.hardware.jitter > 0.0
     }
 }
 
@@ -151,6 +160,12 @@ impl Befalls {
         });
         PerAxis::new(pitch, yaw)
     }
+
+    /// \[ticks\]
+    fn jitter(&mut self) -> u32 {
+        let most = ticks(self.scenario.hardware.jitter, SAMPLE_TIME);
+        if most > 0 { self.late.random_range(0..=most) } else { 0 }
+    }
 }
 
 impl Iterator for Befalls {
@@ -165,6 +180,7 @@ impl Iterator for Befalls {
             volts: self.random().plus(volts),
             torque,
             noise: self.noise(),
+            jitter: self.jitter(),
             supply,
             change: (change != self.before).then(|| change.clone()),
         };
@@ -207,7 +223,7 @@ impl Befallen {
 
     /// The bench's hardware becomes what the scenario says it is.
     pub fn wear(scenario: &Scenario, bench: &mut Bench<f32>) {
-        bench.worn = Worn::new(&scenario.hardware.wear(), bench.state().angle);
+        bench.set_wear(&scenario.hardware.wear());
     }
 
     /// What befalls the rig in `tick` of the scenario, with all that was missed; nothing once it is over.
@@ -241,6 +257,9 @@ impl Befallen {
         }
         if now.noise != self.before.noise {
             bench.worn.set_noise(now.noise.cast());
+        }
+        if now.jitter != self.before.jitter {
+            bench.worn.set_jitter(now.jitter);
         }
         if now.supply != self.before.supply {
             bench.supply = now.supply(self.supply);
