@@ -51,10 +51,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     range: Option<f64>,
     /// Write every run as a row: method, seed, cost, coordinates (.parquet, .npz or .csv)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     export: Option<PathBuf>,
     /// Draw convergence (.svg or .png)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
 }
 

@@ -23,23 +23,23 @@ use twinrotor_tune::robust::Scatter;
 #[derive(Debug, Args)]
 pub(super) struct Common {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
-    #[arg(long, default_value = "paper")]
+    #[arg(long, default_value = "paper", help_heading = "Rig")]
     pub preset: String,
     /// Board that flies it, which decides how fine its PWM is: f405, f407, black-pill, nucleo-f411, nucleo-f446
     /// or nucleo-g474; acts with --fidelity rig
-    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
+    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
     pub board: Board,
     /// Rotor lag of both motors, in s, instead of the preset's; it acts with --fidelity rig
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help_heading = "Rig")]
     pub rotor_lag: Option<f64>,
     /// Of everything random
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, help_heading = "Computing")]
     pub seed: u64,
     /// Print one JSON document and nothing else
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
     /// Threads to compute on [default: all]; the results do not depend on it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Computing")]
     pub threads: Option<usize>,
 }
 
@@ -143,7 +143,7 @@ pub(super) struct Checkpoint {
     #[arg(id = "checkpoint", long = "checkpoint", value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// Go on from --checkpoint, or begin if it is not there yet
-    #[arg(long, requires = "checkpoint")]
+    #[arg(long, requires = "checkpoint", help_heading = "Computing")]
     pub resume: bool,
 }
 

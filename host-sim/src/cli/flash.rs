@@ -22,10 +22,10 @@ pub(super) struct Args {
     #[arg(value_name = "GAINS")]
     gains: String,
     /// Rig: a preset's name or a FILE.toml of your own [default: the one the gains were tuned on]
-    #[arg(long)]
+    #[arg(long, help_heading = "Rig")]
     preset: Option<String>,
     /// Board: f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
-    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
+    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
     board: Hardware,
     /// The wiring has passed the first-power check on this board before: do not ask for it again
     #[arg(long)]
@@ -40,7 +40,7 @@ pub(super) struct Args {
     #[arg(long, default_value = "STM32F405RGTx", conflicts_with_all = ["image", "port"])]
     chip: String,
     /// Print one JSON document and nothing else
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 

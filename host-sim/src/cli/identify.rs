@@ -64,10 +64,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "T", default_value_t = 3)]
     iterations: usize,
     /// Where to write the preset, for --preset of every other command
-    #[arg(long, value_name = "FILE", default_value = "preset.toml")]
+    #[arg(long, value_name = "FILE", default_value = "preset.toml", help_heading = "Output")]
     out: PathBuf,
     /// Where to draw logs and residuals (.svg or .png) [default: beside the preset, as .svg]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
     #[command(flatten)]
     checkpoint: Checkpoint,

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Where to write them
-    #[arg(long, default_value = "manual", value_name = "FOLDER")]
+    #[arg(long, default_value = "manual", value_name = "FOLDER", help_heading = "Output")]
     out: PathBuf,
 }
 

@@ -45,7 +45,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Print tables as lines with tabs between columns, for other programs
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Output")]
     plain: bool,
 }
 

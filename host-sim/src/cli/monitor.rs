@@ -14,14 +14,14 @@ pub(super) struct Args {
     #[arg(long, default_value = "sim", value_name = "sim|auto|DEVICE|tcp://HOST:PORT")]
     port: String,
     /// Rig of the simulated board: paper, paper-fixed, aero, aero2, aero-lab or heli [default: aero2]
-    #[arg(long)]
+    #[arg(long, help_heading = "Rig")]
     preset: Option<String>,
     /// Where to listen: this machine alone unless told otherwise; port 0 is any free one
     #[arg(long, default_value = "127.0.0.1:0", value_name = "ADDRESS:PORT")]
     listen: std::net::SocketAddr,
     /// Write every tick to this file when the program ends, as 'fly' does: .csv, .parquet, .mcap or .npz; the
     /// first twenty minutes are kept
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     record: Option<std::path::PathBuf>,
 }
 

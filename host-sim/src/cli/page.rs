@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Where to write the page
-    #[arg(long, value_name = "FILE", default_value = "heli.html")]
+    #[arg(long, value_name = "FILE", default_value = "heli.html", help_heading = "Output")]
     out: PathBuf,
     /// The WebAssembly module that computes, as scripts/build-page.sh builds and packs it beside what plots
     #[arg(long, value_name = "FILE", default_value = page::MODULE)]
     module: PathBuf,
     /// Print one JSON document and nothing else
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 

@@ -51,7 +51,7 @@ pub(super) struct Args {
     range: f64,
     /// Folder for front.svg, front.csv and the gains of every point, 01.toml and so on; made if it is not
     /// there
-    #[arg(long, value_name = "DIR", default_value = "front")]
+    #[arg(long, value_name = "DIR", default_value = "front", help_heading = "Output")]
     out: PathBuf,
 }
 

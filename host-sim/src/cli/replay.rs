@@ -25,7 +25,7 @@ pub(super) struct Args {
     #[command(flatten)]
     common: Common,
     /// The log: CSV with columns t,pitch,yaw,v0,v1 in SI units, and ref_pitch,ref_yaw where that was recorded
-    #[arg(value_name = "LOG.csv")]
+    #[arg(value_name = "LOG.csv", help_heading = "Output")]
     log: PathBuf,
     /// Gains: 'paper' (Table 4) or a gains file
     #[arg(long, default_value = "paper", value_name = "paper|FILE")]
@@ -42,7 +42,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DEVICE")]
     port: Option<String>,
     /// Draw rates and volts as .svg or .png
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
 }
 

@@ -13,16 +13,16 @@ use std::time::{Duration, Instant};
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Folder for index.html, report.json and the CSV files; made if it is not there
-    #[arg(long, value_name = "DIR", default_value = "report")]
+    #[arg(long, value_name = "DIR", default_value = "report", help_heading = "Output")]
     out: PathBuf,
     /// Few seeds, plants and evaluations: a first look in a second or two, which leaves verdicts undecided
     #[arg(long)]
     quick: bool,
     /// Of everything random
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, help_heading = "Computing")]
     seed: u64,
     /// Print the report as one JSON document and nothing else
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 

@@ -58,10 +58,10 @@ pub(super) struct Args {
     initial: Option<String>,
     /// Rig that is flown in truth, all of it: plant, encoders, supply, limits, envelope; the controller
     /// believes --preset
-    #[arg(long, value_name = "RIG")]
+    #[arg(long, value_name = "RIG", help_heading = "Rig")]
     true_rig: Option<String>,
     /// True lag of both rotors, in s, whatever the controller believes
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help_heading = "Rig")]
     true_lag: Option<f64>,
     /// Amplitude of random volts added to each motor
     #[arg(long, value_name = "VOLTS", allow_negative_numbers = true)]
@@ -73,18 +73,18 @@ pub(super) struct Args {
     #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true)]
     window: Option<String>,
     /// Write the true state of every tick to a CSV file, SI units
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     csv: Option<PathBuf>,
     /// Write what a rig would have logged, for 'identify' and 'replay': angles by whole counts, volts as
     /// sent (.csv, or a format of --export)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     log: Option<PathBuf>,
     /// Write every tick, SI units, for other tools: .parquet, .mcap (PlotJuggler, Foxglove, Rerun), .npz or
     /// .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     export: Option<PathBuf>,
     /// Draw the flight as .svg or .png
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
     /// Show the flight as a moving picture that browsers play, as long as the flight (.svg)
     #[arg(long, value_name = "FILE")]

@@ -9,7 +9,7 @@ use twinrotor_plot::{Band, COLOURS, Figure, Line, Panel, Stroke};
 use twinrotor_sim::flight::{Flight, Reading, Row};
 use twinrotor_tune::contest::Peer;
 use twinrotor_tune::optimise::Compromise;
-use twinrotor_tune::robust::quantile;
+use twinrotor_tune::robust::{Score, quantile};
 
 /// Two flights of the same scenario, the first dashed, until both have long settled.
 pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f64>) -> Figure {
@@ -97,6 +97,22 @@ pub fn convergence(title: &str, peers: &[Peer], best_known: f64, budget: usize) 
         panel.lines.push(Line { name: peer.name.clone(), points: middle, colour: k, stroke });
     }
     Figure { title: title.to_owned(), x_label: "evaluations".to_owned(), panels: vec![panel] }
+}
+
+/// On how many plants each controller's flights cost no more than so much; those that fail count on none.
+pub fn costs(title: &str, controllers: &[(String, &[Score])]) -> Figure {
+    let curve = |(k, (name, scores)): (usize, &(String, &[Score]))| {
+        let mut costs: Vec<f64> = scores.iter().filter(|s| !s.failed).map(Score::cost).collect();
+        costs.sort_by(f64::total_cmp);
+        let share = |k: usize| 100.0 * k as f64 / scores.len() as f64;
+        // A step at each plant.
+        let steps = costs.iter().enumerate().flat_map(|(k, &cost)| [(cost, share(k)), (cost, share(k + 1))]);
+        let stroke = if k < COLOURS.len() { Stroke::Solid } else { Stroke::Dashed };
+        Line { name: name.clone(), points: steps.collect(), colour: k, stroke }
+    };
+    let lines = controllers.iter().enumerate().map(curve).collect();
+    let panel = Panel { y_label: "plants that cost no more [%]".to_owned(), lines, ..Panel::default() };
+    Figure { title: title.to_owned(), x_label: "cost of a plant's flights".to_owned(), panels: vec![panel] }
 }
 
 /// Some numbers of a flight over time.

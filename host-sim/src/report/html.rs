@@ -125,6 +125,28 @@ fn grid(text: &mut String, g: &Grid) {
     );
 }
 
+/// What a page begins with, up to its heading's text.
+fn head(title: &str) -> String {
+    format!(
+        "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport \
+         content=\"width=device-width,initial-scale=1\">\
+         <meta name=color-scheme content=\"light dark\"><title>{title}</title><style>{STYLE}</style>\n"
+    )
+}
+
+/// Sections of anything as one self-contained page.
+pub(super) fn page(title: &str, about: &str, sections: &[Section]) -> Outcome<String> {
+    let title = escaped(title);
+    let mut text = head(&title);
+    let _ = writeln!(text, "<h1>{title}</h1>\n<p class=soft>{}</p>", escaped(about));
+    let mut counts = BTreeMap::new();
+    for (k, s) in sections.iter().enumerate() {
+        section(&mut text, k, s, &mut counts)?;
+    }
+    text.push_str("</html>\n");
+    Ok(text)
+}
+
 impl Report {
     /// As one self-contained page.
     ///
@@ -132,12 +154,10 @@ impl Report {
     ///
     /// If a figure cannot be drawn.
     pub fn to_html(&self) -> Outcome<String> {
-        let mut text = format!(
-            "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport \
-             content=\"width=device-width,initial-scale=1\">\
-             <meta name=color-scheme content=\"light dark\"><title>The paper, \
-             reproduced</title><style>{STYLE}</style>\n\
-             <h1>Backstepping control of Quanser's 2-DOF Helicopter, reproduced</h1>\n\
+        let mut text = head("The paper, reproduced");
+        let _ = write!(
+            text,
+            "<h1>Backstepping control of Quanser's 2-DOF Helicopter, reproduced</h1>\n\
              <p class=abstract>{}</p>\n\
              <p class=soft>The paper: “Backstepping control of Quanser's 2-DOF Helicopter under disturbance \
              and actuator saturation based on Flower Pollination Algorithm”. Its tables, figures and claims \

@@ -218,13 +218,7 @@ impl Report {
         let json = serde_json::to_string_pretty(&self.document()).expect("plain data");
         outputs.write(&folder.join("report.json"), format!("{json}\n").as_bytes());
         outputs.write(&folder.join("statements.csv"), self.to_csv().as_bytes());
-        for grid in self.sections.iter().filter_map(|s| s.measured.as_ref()) {
-            outputs.write(&folder.join(format!("{}.csv", grid.name)), grid.to_csv().as_bytes());
-        }
-        for picture in self.sections.iter().flat_map(|s| &s.pictures) {
-            let path = folder.join(format!("{}.csv", picture.name));
-            outputs.write(&path, picture.figure.to_csv().as_bytes());
-        }
+        data(&self.sections, folder, outputs);
         Ok(())
     }
 
@@ -261,6 +255,35 @@ impl Report {
     /// How many statements have each verdict, in the order of [`Verdict`].
     pub fn tally(&self) -> [usize; 5] {
         VERDICTS.map(|v| self.sections.iter().flat_map(|s| &s.entries).filter(|e| e.verdict == v).count())
+    }
+}
+
+/// Writes `index.html` with sections that are not the paper's, and a CSV file for each table and figure, into
+/// `folder`.
+///
+/// # Errors
+///
+/// If a figure cannot be drawn; `outputs` tells what cannot be written.
+pub fn write_page(
+    title: &str,
+    text: &str,
+    sections: &[Section],
+    folder: &Path,
+    outputs: &mut Outputs,
+) -> Outcome<()> {
+    outputs.write(&folder.join("index.html"), html::page(title, text, sections)?.as_bytes());
+    data(sections, folder, outputs);
+    Ok(())
+}
+
+/// What tables and figures show, as files beside them.
+fn data(sections: &[Section], folder: &Path, outputs: &mut Outputs) {
+    for grid in sections.iter().filter_map(|s| s.measured.as_ref()) {
+        outputs.write(&folder.join(format!("{}.csv", grid.name)), grid.to_csv().as_bytes());
+    }
+    for picture in sections.iter().flat_map(|s| &s.pictures) {
+        let path = folder.join(format!("{}.csv", picture.name));
+        outputs.write(&path, picture.figure.to_csv().as_bytes());
     }
 }
 

@@ -1,6 +1,6 @@
 //! `merge`: the report of a comparison whose plants several machines have flown.
 
-use super::{part, show};
+use super::{Wanted, part, show};
 use crate::error::Outcome;
 use crate::files::export;
 use crate::files::output::Outputs;
@@ -13,11 +13,17 @@ pub(in crate::cli) struct Args {
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
     /// Print one JSON document and nothing else
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
     /// Write every flight's numbers, a row each: .parquet, .npz or .csv; not of a scenario's
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     export: Option<PathBuf>,
+    /// Draw how many plants cost how much with each controller (.svg or .png)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    plot: Option<PathBuf>,
+    /// Write the comparison as a page, with its table and figure as CSV, into this folder
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    report: Option<PathBuf>,
 }
 
 pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
@@ -37,6 +43,12 @@ pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
             "its flights have no scores",
         ));
     }
-    show(&head, &flown, args.json, args.export.as_deref(), &mut outputs)?;
+    let wanted = Wanted {
+        json: args.json,
+        export: args.export.as_deref(),
+        plot: args.plot.as_deref(),
+        report: args.report.as_deref(),
+    };
+    show(&head, &flown, &wanted, &mut outputs)?;
     outputs.done()
 }

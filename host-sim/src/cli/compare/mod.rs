@@ -5,19 +5,23 @@ pub(super) mod merge;
 mod part;
 mod scenario;
 
-use super::common::{Common, Device, Spreads, no_effect, pair, truth, within};
+use super::common::{Common, Device, Spreads, drawn, no_effect, pair, truth, within};
 use super::{choices, print, print_json, tables};
 use crate::device;
 use crate::error::{Failure, Outcome};
+use crate::figures;
 use crate::files;
 use crate::files::export;
+use crate::files::figure;
 use crate::files::output::{self, Outputs};
+use crate::report::{self, Grid, Picture, Section};
 use part::{Flown, Head};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::PlantParameters;
+use twinrotor_plot::Figure;
 use twinrotor_sim::error::known_name;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
@@ -54,7 +58,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     controllers: Vec<String>,
     /// Fly this scenario instead of the robust objective's step: a name, or a FILE.toml of your own
-    #[arg(long, conflicts_with_all = ["step", "allowance", "tune", "export"])]
+    #[arg(long, conflicts_with_all = ["step", "allowance", "tune", "export", "plot", "report"])]
     scenario: Option<String>,
     /// Begin the scenario with motors that a minute of squares has warmed
     #[arg(long, requires = "scenario")]
@@ -66,23 +70,29 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     allowance: Option<f64>,
     /// True lag of both rotors, in s, in every plant, whatever the controllers believe
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help_heading = "Rig")]
     true_lag: Option<f64>,
     /// Rig that every plant is in truth, all of it, whatever the controllers believe; lag and disturbance are
     /// still drawn
-    #[arg(long, value_name = "RIG")]
+    #[arg(long, value_name = "RIG", help_heading = "Rig")]
     true_rig: Option<String>,
     /// Folder of the tuned gains: DIR/PRESET.toml is ours, DIR/compared/PRESET/NAME.toml the others'
     #[arg(long, value_name = "DIR", default_value = "gains")]
     gains: PathBuf,
     /// Write every flight's numbers, a row each: .parquet, .npz or .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     export: Option<PathBuf>,
+    /// Draw how many plants cost how much with each controller (.svg or .png)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    plot: Option<PathBuf>,
+    /// Write the comparison as a page, with its table and figure as CSV, into this folder
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    report: Option<PathBuf>,
     /// Fly one part of N of the plants and write it into --out, for 'merge': I/N, such as 3/16
-    #[arg(long, value_name = "I/N", requires = "out", conflicts_with_all = ["export", "tune", "json"])]
+    #[arg(long, value_name = "I/N", requires = "out", conflicts_with_all = ["export", "plot", "report", "tune", "json"])]
     shard: Option<Shard>,
     /// File of the part
-    #[arg(long, value_name = "PART", requires = "shard")]
+    #[arg(long, value_name = "PART", requires = "shard", help_heading = "Output")]
     out: Option<PathBuf>,
     /// First tune all but ours with one budget, N searches of 500 evaluations, and write the gains into the
     /// folder
@@ -139,7 +149,13 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         return outputs.done();
     }
     let flown = fly(&trial, &controllers, scenario.as_ref(), &found)?;
-    show(&head, &flown, args.common.json, args.export.as_deref(), &mut outputs)?;
+    let wanted = Wanted {
+        json: args.common.json,
+        export: args.export.as_deref(),
+        plot: args.plot.as_deref(),
+        report: args.report.as_deref(),
+    };
+    show(&head, &flown, &wanted, &mut outputs)?;
     outputs.done()
 }
 
@@ -157,8 +173,17 @@ fn fly(
     Ok(Flown::Steps(controllers.iter().map(|(_, controller)| fly(controller)).collect::<Outcome<_>>()?))
 }
 
+/// How it is to be told.
+struct Wanted<'a> {
+    json: bool,
+    export: Option<&'a Path>,
+    plot: Option<&'a Path>,
+    report: Option<&'a Path>,
+}
+
 /// Tells what came of it.
-fn show(head: &Head, flown: &Flown, json: bool, export: Option<&Path>, outputs: &mut Outputs) -> Outcome<()> {
+fn show(head: &Head, flown: &Flown, wanted: &Wanted<'_>, outputs: &mut Outputs) -> Outcome<()> {
+    let Wanted { json, export, plot, report: folder } = *wanted;
     let scores = match flown {
         Flown::Scenario(scenario, flights) => return scenario::show(head, scenario, flights, json),
         Flown::Steps(scores) => scores,
@@ -173,6 +198,17 @@ fn show(head: &Head, flown: &Flown, json: bool, export: Option<&Path>, outputs: 
     if let Some(path) = export {
         let names = head.controllers.iter().map(|(name, _)| name.as_str());
         outputs.write(path, &export::bytes(&flights(names.zip(scores)), path)?);
+    }
+    let figure = || {
+        let own = |row: &Row| format!("{}, J {:.2}", row.name, row.total);
+        let named: Vec<_> = rows.iter().map(own).zip(scores.iter().map(Vec::as_slice)).collect();
+        figures::costs(&format!("{}, {} plants", head.preset, head.plants), &named)
+    };
+    if let Some(path) = plot {
+        outputs.write(path, &figure::bytes(&figure(), path)?);
+    }
+    if let Some(folder) = folder {
+        page(head, &rows, figure(), folder, outputs)?;
     }
     if json {
         print_json(&Document {
@@ -189,6 +225,43 @@ fn show(head: &Head, flown: &Flown, json: bool, export: Option<&Path>, outputs: 
     } else {
         print(&report(head, &rows))
     }
+}
+
+/// The comparison as a page.
+fn page(head: &Head, rows: &[Row], figure: Figure, folder: &Path, outputs: &mut Outputs) -> Outcome<()> {
+    let grid = Grid {
+        name: "controllers".to_owned(),
+        heads: HEADS.to_vec(),
+        rows: rows.iter().map(|row| cells(row).to_vec()).collect(),
+        note: LEGEND.replace('\n', ". "),
+    };
+    let caption =
+        "The further to the left, the better; a curve that ends below 100 % has failed on the rest.";
+    let picture = Picture { name: "costs".to_owned(), caption: caption.to_owned(), figure };
+    let uses = Grid {
+        name: "uses".to_owned(),
+        heads: vec!["controller", "beside its law"],
+        rows: rows.iter().map(|row| vec![row.name.clone(), row.uses.join(", ")]).collect(),
+        note: String::new(),
+    };
+    let section = |title: &str| Section { title: title.to_owned(), ..Section::default() };
+    let sections = [
+        Section { measured: Some(grid), pictures: vec![picture], ..section("Controllers") },
+        Section { measured: Some(uses), ..section("What stands around each law") },
+    ];
+    let text = format!(
+        "{} plants drawn around {}, none of which a controller was tuned on; constants and thrust within {} %, \
+         rotor lags within {} %. host-sim compare --preset {} --plants {} --seed {}, version {}.",
+        head.plants,
+        head.preset,
+        100.0 * head.scatter.constants,
+        100.0 * head.scatter.lag,
+        head.preset,
+        head.plants,
+        head.seed,
+        env!("CARGO_PKG_VERSION")
+    );
+    report::write_page(&format!("Controllers on {}", head.preset), &text, &sections, folder, outputs)
 }
 
 /// What is read and written.
@@ -211,6 +284,12 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
     if let Some(path) = &args.export {
         export::check("--export", path, false)?;
         outputs.writes("--export", path)?;
+    }
+    drawn(args.plot.as_deref(), &mut outputs)?;
+    if let Some(folder) = &args.report {
+        for file in ["index.html", "controllers.csv", "costs.csv", "uses.csv"] {
+            outputs.writes("--report", &folder.join(file))?;
+        }
     }
     if let Some(path) = &args.out {
         outputs.writes("--out", path)?;
@@ -366,44 +445,48 @@ dist, hold: error after the disturbance, and before; V/s: volts moved while hold
 sat: time with a motor at its limit; p: chance of such a difference to the first
 ";
 
+/// The heads of the table.
+const HEADS: [&str; 13] = [
+    "controller",
+    "J",
+    "fail",
+    "cut",
+    "c 5/50/95 %",
+    "ts2 p/y [s]",
+    "ts2 95 %",
+    "OS 95 % p/y",
+    "dist RMS p/y [deg]",
+    "hold RMS p/y [deg]",
+    "V/s",
+    "sat [s]",
+    "p",
+];
+
+/// A controller's row.
+fn cells(r: &Row) -> [String; HEADS.len()] {
+    let pair =
+        |v: twinrotor::axes::PerAxis<f64>, digits: usize| format!("{:.digits$}/{:.digits$}", v.pitch, v.yaw);
+    [
+        r.name.clone(),
+        format!("{:.3}", r.total),
+        r.failures.to_string(),
+        r.cuts.to_string(),
+        format!("{:.2}/{:.2}/{:.2}", r.cost.p5, r.cost.median, r.cost.p95),
+        pair(r.settling_time_2, 2),
+        pair(r.settling_p95, 2),
+        pair(r.overshoot_p95, 1),
+        pair(r.disturbance_rms_deg, 3),
+        pair(r.hold_rms_deg, 3),
+        format!("{:.0}", r.voltage_variation),
+        format!("{:.2}", r.saturation_time),
+        r.p_value.map_or_else(String::new, |p| format!("{p:.1e}")),
+    ]
+}
+
 fn report(head: &Head, rows: &[Row]) -> String {
-    let mut table = tables::table(&[
-        "controller",
-        "J",
-        "fail",
-        "cut",
-        "c 5/50/95 %",
-        "ts2 p/y [s]",
-        "ts2 95 %",
-        "OS 95 % p/y",
-        "dist RMS p/y [deg]",
-        "hold RMS p/y [deg]",
-        "V/s",
-        "sat [s]",
-        "p",
-    ]);
+    let mut table = tables::table(&HEADS);
     for r in rows {
-        let pair = |v: twinrotor::axes::PerAxis<f64>, digits: usize| {
-            format!("{:.digits$}/{:.digits$}", v.pitch, v.yaw)
-        };
-        tables::add(
-            &mut table,
-            [
-                r.name.clone(),
-                format!("{:.3}", r.total),
-                r.failures.to_string(),
-                r.cuts.to_string(),
-                format!("{:.2}/{:.2}/{:.2}", r.cost.p5, r.cost.median, r.cost.p95),
-                pair(r.settling_time_2, 2),
-                pair(r.settling_p95, 2),
-                pair(r.overshoot_p95, 1),
-                pair(r.disturbance_rms_deg, 3),
-                pair(r.hold_rms_deg, 3),
-                format!("{:.0}", r.voltage_variation),
-                format!("{:.2}", r.saturation_time),
-                r.p_value.map_or_else(String::new, |p| format!("{p:.1e}")),
-            ],
-        );
+        tables::add(&mut table, cells(r));
     }
     let beside = if head.scenes == robust::Scenes::All { scenes(rows) } else { String::new() };
     let uses: Vec<String> = rows.iter().map(|r| tables::listed(&format!("  {}:", r.name), &r.uses)).collect();

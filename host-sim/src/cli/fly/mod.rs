@@ -41,10 +41,10 @@ pub(super) struct Args {
     #[arg(long, default_value = "sim", value_name = "sim|auto|DEVICE|tcp://HOST:PORT")]
     port: String,
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
-    #[arg(long, default_value = "aero2")]
+    #[arg(long, default_value = "aero2", help_heading = "Rig")]
     preset: String,
     /// Board: f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
-    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
+    #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
     board: Board,
     /// Gains: 'paper' (Table 4) or a gains file [default: the preset's own]
     #[arg(long, value_name = "paper|FILE")]
@@ -62,10 +62,10 @@ pub(super) struct Args {
     #[arg(long, requires = "accept")]
     save: bool,
     /// Keep every frame from zeroing on: .csv, as identify and replay read it, .parquet or .mcap
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     record: Option<PathBuf>,
     /// Draw what was flown over what was expected, as .svg or .png
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
     /// Write what is asked for to a board that has something else, without asking
     #[arg(long)]
@@ -87,16 +87,16 @@ pub(super) struct Args {
     inject: Vec<Inject>,
     /// Fly every scenario of this folder, too, compare all of it to the bit, and write what came of it and
     /// which board it was as JSON: what an owner of a board sends back to this project
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["trial", "inject"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["trial", "inject"], help_heading = "Output")]
     report: Option<PathBuf>,
     /// The folder of --report
     #[arg(long, value_name = "FOLDER", default_value = "scenarios", requires = "report")]
     scenarios: PathBuf,
     /// Of everything random in the simulation
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, help_heading = "Computing")]
     seed: u64,
     /// Print one JSON document and nothing else
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 

@@ -37,7 +37,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "LO,HI", allow_hyphen_values = true)]
     bounds: Option<String>,
     /// Where to draw both step responses (.svg or .png) [default: beside the gains, as .svg]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     plot: Option<PathBuf>,
 }
 

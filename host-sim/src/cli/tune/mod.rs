@@ -49,7 +49,7 @@ struct Shared {
     #[arg(long, value_name = "T")]
     iterations: Option<usize>,
     /// Where to write the gains
-    #[arg(long, value_name = "FILE", default_value = "gains.toml")]
+    #[arg(long, value_name = "FILE", default_value = "gains.toml", help_heading = "Output")]
     out: PathBuf,
     #[command(flatten)]
     checkpoint: Checkpoint,
