@@ -1,6 +1,6 @@
 # Sourced: `seeded NAME [OTHER]` makes target/NAME for another image of the firmware out of what the build of
-# target/OTHER, or of the default board, has left: images for one chip share most of what they are linked from,
-# and each then compiles its own part alone.
+# target/OTHER, or of the default board, has left: images for one chip share most of what they are linked
+# from, and each then compiles its own part alone.
 seeded() {
   local folder=target/$1 from=target${2:+/$2} own
   if [ -d "$from/firmware" ] && [ ! -d "$folder" ]; then

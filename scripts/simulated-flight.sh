@@ -30,6 +30,7 @@ equal=$(sed -n 's/.*"equal_ticks": \([0-9]*\).*/\1/p' "$folder/report.json")
 
 # What befalls the rig ends the flight, with status 3.
 status=0
-"$host_sim" fly --port "$address" --board "$board" --yes --inject stuck-pitch@1 >"$folder/injected" 2>&1 || status=$?
+"$host_sim" fly --port "$address" --board "$board" --yes --inject stuck-pitch@1 >"$folder/injected" 2>&1 ||
+  status=$?
 cat "$folder/injected"
 [ "$status" = 3 ] && grep -q "the pitch encoder does not show the motion" "$folder/injected"
