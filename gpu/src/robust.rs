@@ -74,7 +74,7 @@ impl Common {
 pub struct Given<'a> {
     /// A [`Common`] in [words].
     pub common: &'a [u32],
-    /// Controllers' settings in [words], each in `each` of them.
+    /// Controllers' settings in [words], each in `each` of them; before those of an integral their bound.
     pub settings: &'a [u32],
     /// Words that each controller has.
     pub each: u32,
@@ -126,12 +126,29 @@ impl<'a> Given<'a> {
     /// words do not say what they should.
     #[inline(always)]
     fn start(&self, number: u32) -> Option<Start<'a>> {
-        let count = self.count.max(1);
-        let (controller, plant) = (number / count, number % count);
-        let begin = controller as usize * self.each as usize;
-        let settings = words::read(self.settings.get(begin..begin + self.each as usize)?).ok()?;
+        let settings = self.controller(number)?;
         let common = words::read(self.common).ok()?;
-        let mut k = plant as usize;
+        let (plant, disturbance, phase) = self.plant(number, State::at_rest(PerAxis::zero()));
+        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
+        Some(Start { settings, plant, disturbance, phase, common, course })
+    }
+
+    /// What the flight of this number has of a controller.
+    #[inline(always)]
+    pub(crate) fn controller<T: Deserialize<'a>>(&self, number: u32) -> Option<T> {
+        let begin = (number / self.count.max(1)) as usize * self.each as usize;
+        words::read(self.settings.get(begin..begin + self.each as usize)?).ok()
+    }
+
+    /// Its plant at `state`, the disturbance of it \[V\], and where between two counts its encoders are.
+    #[inline(always)]
+    pub(crate) fn plant(
+        &self,
+        number: u32,
+        state: State<f32>,
+    ) -> (RealPlant<f32>, PerMotor<f32>, PerAxis<f32>) {
+        let count = self.count.max(1);
+        let mut k = (number % count) as usize;
         let mut next = || {
             let word = self.plants.get(k).copied().unwrap_or(0);
             k += count as usize;
@@ -142,9 +159,7 @@ impl<'a> Given<'a> {
         let rotors = LaggedRotors::<f32>::new(&PAPER.plant, SAMPLE_TIME).map(|_| next());
         let disturbance = PerMotor::new(next(), next());
         let phase = PerAxis::new(next(), next());
-        let plant = RealPlant::assemble(constants, rotors, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
-        Some(Start { settings, plant, disturbance, phase, common, course })
+        (RealPlant::assemble(constants, rotors, state, SAMPLE_TIME), disturbance, phase)
     }
 }
 

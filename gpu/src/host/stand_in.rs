@@ -2,6 +2,7 @@
 //! that a card can have. What is tested with it is everything but the card.
 
 use super::driver::{Argument, Driver, Fault};
+use crate::integral;
 use crate::robust::{self, Given};
 use std::string::{String, ToString};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -131,6 +132,8 @@ impl Driver for StandIn {
         let fly = |k: u32| match kernel {
             "robust_any" => flown(robust::flight(&given, k, Some)),
             "robust_usual" => flown(robust::flight(&given, k, robust::usual)),
+            "integral_ideal" => integral::ideal(&given, k).map(|words| words.to_vec()),
+            "integral_rig" => integral::rig(&given, k).map(|words| words.to_vec()),
             "robust_cut" => robust::cut(&given, k).map(|words| words.to_vec()),
             _ => None,
         };
