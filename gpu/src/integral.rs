@@ -42,11 +42,11 @@ pub struct Common {
     pub supply: f64,
 }
 
-/// Words of a flight: of both axes the sum and its excess; the first tick with a look in which it had lost, and
-/// the last one in which it had not, [`u32::MAX`] for none.
+/// Words of a flight: of both axes the sum and its excess; the first tick with a look in which it had lost,
+/// and the last one in which it had not, [`u32::MAX`] for none.
 pub const INTEGRATED: usize = 6;
-/// Words of an instant of the course: the tick; angle, rate and acceleration asked for, pitch and yaw each; the
-/// volts, main and tail.
+/// Words of an instant of the course: the tick; angle, rate and acceleration asked for, pitch and yaw each;
+/// the volts, main and tail.
 pub const INSTANT: usize = 9;
 
 /// Flies in the paper's world.
@@ -129,8 +129,8 @@ fn fly<L: ClosedLoop<f32>>(
     [pitch[0], pitch[1], yaw[0], yaw[1], first_lost, last_in_play]
 }
 
-/// What the words of a flight say: its integral, the first tick in which it had lost, the last in which it had
-/// not.
+/// What the words of a flight say: its integral, the first tick in which it had lost, the last in which it
+/// had not.
 pub fn from_words(
     criterion: Criterion,
     words: [u32; INTEGRATED],

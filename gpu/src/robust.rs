@@ -15,7 +15,7 @@ use twinrotor::plant::presets::{Envelope, PAPER};
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
-use twinrotor_sim::closed_loop::{BoardLoop, RigLoop};
+use twinrotor_sim::closed_loop::{BoardLoop, RigLoop, Tick};
 use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
 
 /// What all flights of a launch have in common.
@@ -174,8 +174,50 @@ pub fn flight(
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
     let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
-    let sums = fly(closed_loop, settings.volts_limit, disturbance, &common.rules(), course, || false)?;
+    let limit = settings.volts_limit;
+    let sums = fly(
+        closed_loop,
+        limit,
+        disturbance,
+        &common.rules(),
+        course,
+        #[inline(always)]
+        |_, _| true,
+    )?;
     Some(sums.lane(0))
+}
+
+/// Words of a [`trace`].
+pub const TRACE: usize = 2;
+
+/// Flies the flight of this number, for a hash of the state and the volts in effect in each of its ticks
+/// (64-bit FNV-1a, word by word), lower half first.
+#[inline(always)]
+pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
+    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
+    let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
+    let limit = settings.volts_limit;
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    fly(
+        closed_loop,
+        limit,
+        disturbance,
+        &common.rules(),
+        course,
+        #[inline(always)]
+        |_, tick: &Tick<f32>| {
+            let State { angle, rate } = tick.state;
+            let volts = tick.applied;
+            for number in [angle.pitch, angle.yaw, rate.pitch, rate.yaw, volts.main, volts.tail] {
+                // What a NaN holds besides is not the same everywhere.
+                let bits = if number.is_nan() { f32::NAN.to_bits() } else { number.to_bits() };
+                hash = (hash ^ u64::from(bits)).wrapping_mul(0x100_0000_01b3);
+            }
+            true
+        },
+    )?;
+    let [a, b, c, d, e, f, g, h] = hash.to_le_bytes();
+    Some([u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])])
 }
 
 /// Words of what [`cut`] finds.

@@ -6,7 +6,8 @@
 use std::path::Path;
 
 /// Kernels, in the order of their names.
-const KERNELS: [&str; 5] = ["integral_ideal", "integral_rig", "robust_any", "robust_cut", "robust_usual"];
+const KERNELS: [&str; 6] =
+    ["integral_ideal", "integral_rig", "robust_any", "robust_cut", "robust_trace", "robust_usual"];
 
 /// That with the board's whole loop.
 const BOARD: &str = "robust_cut";

@@ -1,16 +1,21 @@
 //! What a GPU is given and what comes back, by a stand-in for its driver that runs the kernels' functions.
 
 use std::sync::Arc;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::Hardware;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets;
+use twinrotor::plant::{RealPlant, State, presets};
 use twinrotor::real::Real as _;
+use twinrotor::reference::Reference;
 use twinrotor::{SAMPLE_TIME, defaults};
 use twinrotor_gpu::host::driver::Fault;
 use twinrotor_gpu::host::stand_in::StandIn;
 use twinrotor_gpu::host::{Card, written};
 use twinrotor_gpu::words;
-use twinrotor_sim::device::Device;
+use twinrotor_sim::closed_loop::{ClosedLoop as _, RigLoop};
+use twinrotor_sim::device::{Batch, Change, Device};
 use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::judged::Rules;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::scenario::{Disturbance, Scenario, Weight};
 use twinrotor_tune::design::CATALOGUE;
@@ -142,6 +147,41 @@ fn a_device_gives_the_integrals_of_this_processor() {
         }
     }
     assert!(spared > 1000, "{spared} ticks");
+}
+
+/// The hash of every tick is that of the closed loop flown by itself.
+#[test]
+fn a_trace_is_of_every_tick() {
+    let rig = presets::AERO2;
+    let trial = Trial::new(&rig, 3, 5, 1.0);
+    let settings = Settings::new(&rig, defaults::AERO2, SAMPLE_TIME).map(f32::from_f64);
+    let asked = Reference::at_rest(trial.step.cast());
+    let batch = Batch {
+        rules: Rules { goal: trial.step, envelope: rig.envelope, disturbance: 400, end: 500, hot: false },
+        course: &[
+            Change { tick: 0, asked: Some(asked), push: None },
+            Change { tick: 400, asked: None, push: Some(1.0) },
+        ],
+        hardware: Hardware::of(&rig, PerAxis::both(0.5)),
+        controllers: &[settings],
+        plants: &trial.plants,
+    };
+    let alone = trial.plants.iter().map(|draw| {
+        let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+        let mut flown = RigLoop::new(plant, &Hardware::of(&rig, draw.encoder_phase), &settings);
+        (0..500).fold(0xcbf2_9ce4_8422_2325_u64, |hash, tick| {
+            let push = if tick < 400 { PerMotor::zero() } else { draw.disturbance.cast() };
+            let happened = flown.tick(&asked, push);
+            let State { angle, rate } = happened.state;
+            let volts = happened.applied.to_array();
+            [angle.to_array(), rate.to_array(), volts]
+                .concat()
+                .iter()
+                .fold(hash, |hash, x| (hash ^ u64::from(x.to_bits())).wrapping_mul(0x100_0000_01b3))
+        })
+    });
+    let card = Card::new(StandIn::default());
+    assert_eq!(card.traces(&batch), Some(alone.collect()));
 }
 
 /// What befalls more than volts is flown by this processor.

@@ -98,9 +98,9 @@ pub struct Integrals<'a> {
 pub struct Integrated {
     /// At the end.
     pub integral: Integral<f32>,
-    /// The first tick with a look in which it had lost, and the last one in which it had not; `None` for none.
+    /// The first tick with a look in which it had lost; `None` for none.
     pub first_lost: Option<u32>,
-    /// See there.
+    /// The last one in which it had not.
     pub last_in_play: Option<u32>,
 }
 

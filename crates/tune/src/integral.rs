@@ -21,7 +21,7 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::integrated::{cost, has_lost, integrate, is_look};
 use twinrotor_sim::lanes::{Kernel, LANES, gather, in_lanes};
-use twinrotor_sim::metrics::{Criterion, Integral};
+use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::scenario::{Now, SAMPLE_TIME, Scenario};
 
 /// ISE, IAE or ITAE of the paper's law over one scenario, from rest.
@@ -98,8 +98,8 @@ impl Objective {
         costs
     }
 
-    /// The same, flown by `device`, as far as it can: what befalls more than volts, and worn hardware, is flown
-    /// by this processor alone.
+    /// The same, flown by `device`, as far as it can: what befalls more than volts, and worn hardware, is
+    /// flown by this processor alone.
     #[must_use]
     pub fn on(self, device: Option<Arc<dyn Device>>) -> Self {
         let can = !self.scenario.is_more_than_volts()
@@ -155,7 +155,7 @@ impl Objective {
 }
 
 /// In which tick a group of lanes with these flights would have been broken off, if in any: at the first look
-/// in which all had lost. `None` where one came back into play after it had lost, by the rounding of its sums.
+/// in which all had lost. `None` where one came back into play after it had lost, by its sums' rounding.
 fn broken_off(flown: &[Integrated]) -> Option<Option<u32>> {
     let mut latest = Some(0);
     for one in flown {

@@ -7,6 +7,7 @@ use crate::integral;
 use crate::robust::{self, ended, usual};
 use std::string::{String, ToString};
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 use std::vec::Vec;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor_sim::device::{Batch, Device, Draw, Integrals, Integrated};
@@ -23,17 +24,30 @@ const FEWEST: usize = 32;
 pub struct Card<D> {
     driver: D,
     failure: Mutex<Option<Fault>>,
+    busy: Mutex<Duration>,
 }
 
 impl<D: Driver> Card<D> {
     /// With nothing on it.
     pub fn new(driver: D) -> Self {
-        Self { driver, failure: Mutex::new(None) }
+        Self { driver, failure: Mutex::new(None), busy: Mutex::default() }
     }
 
     /// Its driver.
     pub fn driver(&self) -> &D {
         &self.driver
+    }
+
+    /// A hash of each flight's ticks, for comparing one device with another, on the terms of
+    /// [`Device::fly`].
+    pub fn traces(&self, batch: &Batch<'_>) -> Option<Vec<u64>> {
+        let read = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
+        self.run(&Kernel { name: "robust_trace", read }, Work::of_batch(batch), &|| false)
+    }
+
+    /// How long launches have taken, from the start to the sums on this side.
+    pub fn busy(&self) -> Duration {
+        self.busy.lock().map(|busy| *busy).unwrap_or_default()
     }
 
     /// What it is called.
@@ -141,8 +155,12 @@ impl<D: Driver> Card<D> {
                 Argument::Words(&out),
                 number(flights)?,
             ];
+            let begun = Instant::now();
             self.driver.launch(kernel.name, &arguments, count(flights)?)?;
             let words = self.driver.download(&out)?;
+            if let Ok(mut busy) = self.busy.lock() {
+                *busy += begun.elapsed();
+            }
             let word = |k: usize, w: usize| words.get(w * flights + k).copied().unwrap_or(0);
             sums.extend((0..flights).map(|k| (kernel.read)(std::array::from_fn(|w| word(k, w)))));
         }

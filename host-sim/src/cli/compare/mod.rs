@@ -5,6 +5,7 @@ mod scenario;
 
 use super::common::{Common, Device, Spreads, no_effect, pair, truth, within};
 use super::{choices, print, print_json, tables};
+use crate::device;
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::export::{self, Column, Table};
@@ -131,7 +132,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             controllers: rows,
         })?;
     } else {
-        print(&report(args, &named, &rows))?;
+        let note = found.note(args.plants, device::RIG_FLIGHTS);
+        print(&format!("{}{note}", report(args, &named, &rows)))?;
     }
     outputs.done()
 }

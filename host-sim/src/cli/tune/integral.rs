@@ -5,6 +5,7 @@ use super::request::{Request, left};
 use crate::cli::choices;
 use crate::cli::common::{End, beside, no_effect, pair, refuse_in_ideal_world};
 use crate::cli::{print, print_json};
+use crate::device;
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files::{self, figure};
@@ -150,7 +151,13 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     if request.json {
         print_json(&document(&task, &search, &found))?;
     } else {
-        print(&format!("{}{}", summary(&task, &search, &objective, &found, &flown), outputs.unwritten()))?;
+        let each_core = match fidelity {
+            Fidelity::Ideal => device::IDEAL_FLIGHTS,
+            Fidelity::Rig => device::RIG_FLIGHTS,
+        };
+        let note = request.found.note(request.generation(), each_core);
+        let summary = summary(&task, &search, &objective, &found, &flown);
+        print(&format!("{summary}{}{note}", outputs.unwritten()))?;
     }
     outputs.done()
 }
