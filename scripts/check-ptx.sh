@@ -24,8 +24,10 @@ if [ -z "$ptxas" ]; then
 fi
 chmod +x "$ptxas"
 for card in sm_75 sm_80 sm_90; do
-  # What it says of registers and of memory that is a thread's own.
+  # Of each kernel its registers, and the memory that is a thread's own.
   "$ptxas" -v -arch="$card" target/ptx/twinrotor.ptx -o /dev/null 2>&1 |
-    sed -nE "s/.*Compiling entry function '(.*)' for '(.*)'/\2 \1:/p; s/.*(Used [0-9]+ registers).*/  \1/p;
-             s/^ *([0-9]+ bytes stack frame.*)/  \1/p"
+    awk -v card="$card" '
+      /Compiling entry/ { gsub("\047", ""); kernel = $7; stack = "" }
+      /stack frame/ && stack == "" { stack = $1 " bytes of stack, " $5 " of spills" }
+      /Used .* registers/ { print card, kernel ": " $5 " registers, " stack }'
 done

@@ -21,6 +21,12 @@ impl<R: Real> Compensated<R> {
         Self { value, excess: R::zero() }
     }
 
+    /// The sum that had this [value](Self::value) and this [excess](Self::excess).
+    #[inline(always)]
+    pub fn again(value: R, excess: R) -> Self {
+        Self { value, excess }
+    }
+
     /// The sum, rounded to `R`.
     #[inline(always)]
     pub fn value(self) -> R {

@@ -9,6 +9,7 @@ extern crate std;
 
 #[cfg(feature = "host")]
 pub mod host;
+pub mod integral;
 #[cfg(target_arch = "nvptx64")]
 mod ptx;
 pub mod robust;

@@ -15,7 +15,7 @@ use twinrotor::plant::presets::{Envelope, PAPER};
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
-use twinrotor_sim::closed_loop::{BoardLoop, RigLoop};
+use twinrotor_sim::closed_loop::{BoardLoop, RigLoop, Tick};
 use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
 use twinrotor_sim::metrics::Settling;
 
@@ -75,7 +75,7 @@ impl Common {
 pub struct Given<'a> {
     /// A [`Common`] in [words].
     pub common: &'a [u32],
-    /// Controllers' settings in [words], each in `each` of them.
+    /// Controllers' settings in [words], each in `each` of them; before those of an integral their bound.
     pub settings: &'a [u32],
     /// Words that each controller has.
     pub each: u32,
@@ -127,12 +127,29 @@ impl<'a> Given<'a> {
     /// words do not say what they should.
     #[inline(always)]
     fn start(&self, number: u32) -> Option<Start<'a>> {
-        let count = self.count.max(1);
-        let (controller, plant) = (number / count, number % count);
-        let begin = controller as usize * self.each as usize;
-        let settings = words::read(self.settings.get(begin..begin + self.each as usize)?).ok()?;
+        let settings = self.controller(number)?;
         let common = words::read(self.common).ok()?;
-        let mut k = plant as usize;
+        let (plant, disturbance, phase) = self.plant(number, State::at_rest(PerAxis::zero()));
+        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
+        Some(Start { settings, plant, disturbance, phase, common, course })
+    }
+
+    /// What the flight of this number has of a controller.
+    #[inline(always)]
+    pub(crate) fn controller<T: Deserialize<'a>>(&self, number: u32) -> Option<T> {
+        let begin = (number / self.count.max(1)) as usize * self.each as usize;
+        words::read(self.settings.get(begin..begin + self.each as usize)?).ok()
+    }
+
+    /// Its plant at `state`, the disturbance of it \[V\], and where between two counts its encoders are.
+    #[inline(always)]
+    pub(crate) fn plant(
+        &self,
+        number: u32,
+        state: State<f32>,
+    ) -> (RealPlant<f32>, PerMotor<f32>, PerAxis<f32>) {
+        let count = self.count.max(1);
+        let mut k = (number % count) as usize;
         let mut next = || {
             let word = self.plants.get(k).copied().unwrap_or(0);
             k += count as usize;
@@ -143,9 +160,7 @@ impl<'a> Given<'a> {
         let rotors = LaggedRotors::<f32>::new(&PAPER.plant, SAMPLE_TIME).map(|_| next());
         let disturbance = PerMotor::new(next(), next());
         let phase = PerAxis::new(next(), next());
-        let plant = RealPlant::assemble(constants, rotors, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
-        Some(Start { settings, plant, disturbance, phase, common, course })
+        (RealPlant::assemble(constants, rotors, state, SAMPLE_TIME), disturbance, phase)
     }
 }
 
@@ -160,8 +175,50 @@ pub fn flight(
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
     let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
-    let sums = fly(closed_loop, settings.volts_limit, disturbance, &common.rules(), course, || false)?;
+    let limit = settings.volts_limit;
+    let sums = fly(
+        closed_loop,
+        limit,
+        disturbance,
+        &common.rules(),
+        course,
+        #[inline(always)]
+        |_, _| true,
+    )?;
     Some(sums.lane(0))
+}
+
+/// Words of a [`trace`].
+pub const TRACE: usize = 2;
+
+/// Flies the flight of this number, for a hash of the state and the volts in effect in each of its ticks
+/// (64-bit FNV-1a, word by word), lower half first.
+#[inline(always)]
+pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
+    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
+    let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
+    let limit = settings.volts_limit;
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    fly(
+        closed_loop,
+        limit,
+        disturbance,
+        &common.rules(),
+        course,
+        #[inline(always)]
+        |_, tick: &Tick<f32>| {
+            let State { angle, rate } = tick.state;
+            let volts = tick.applied;
+            for number in [angle.pitch, angle.yaw, rate.pitch, rate.yaw, volts.main, volts.tail] {
+                // What a NaN holds besides is not the same everywhere.
+                let bits = if number.is_nan() { f32::NAN.to_bits() } else { number.to_bits() };
+                hash = (hash ^ u64::from(bits)).wrapping_mul(0x100_0000_01b3);
+            }
+            true
+        },
+    )?;
+    let [a, b, c, d, e, f, g, h] = hash.to_le_bytes();
+    Some([u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])])
 }
 
 /// Words of what [`cut`] finds.

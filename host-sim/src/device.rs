@@ -1,6 +1,7 @@
 //! What flies: this processor, or a GPU.
 
 use crate::error::{Failure, Outcome};
+use std::num::NonZero;
 use std::str::FromStr;
 use std::sync::Arc;
 use twinrotor_gpu::host::Card;
@@ -31,6 +32,12 @@ impl FromStr for Choice {
         }
     }
 }
+
+/// Flights of a rig that a core flies in the time of one launch, and those of the paper's world: computed
+/// from an experiment on one card (docs/gpu.md).
+pub const RIG_FLIGHTS: usize = 84;
+/// See there.
+pub const IDEAL_FLIGHTS: usize = 135;
 
 /// A device that was found, or this processor.
 #[derive(Debug, Default)]
@@ -90,6 +97,20 @@ impl Found {
     /// Why it gives nothing more, if it does not.
     pub fn failure(&self) -> Option<String> {
         self.card.as_ref()?.failure().map(|fault| fault.to_string())
+    }
+
+    /// What is to be said where so many `flights` at once are too few for it: a launch takes as long as its
+    /// longest flight, and in that time this processor's lanes fly `each_core` on a core. Nothing else.
+    pub fn note(&self, flights: usize, each_core: usize) -> String {
+        let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+        let enough = cores * each_core;
+        if self.card.is_none() || flights >= enough {
+            return String::new();
+        }
+        format!(
+            "note: {flights} flights go to the card at once; with fewer than about {enough} these {cores} \
+             cores are the faster choice (--device cpu; docs/gpu.md)\n"
+        )
     }
 
     /// `flown`, or why there is none, where nothing else stops the flights.

@@ -1,18 +1,29 @@
 //! What a GPU is given and what comes back, by a stand-in for its driver that runs the kernels' functions.
 
 use std::sync::Arc;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::bench::Hardware;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets;
+use twinrotor::plant::{RealPlant, State, presets};
 use twinrotor::real::Real as _;
+use twinrotor::reference::Reference;
 use twinrotor::{SAMPLE_TIME, defaults};
 use twinrotor_gpu::host::driver::Fault;
 use twinrotor_gpu::host::stand_in::StandIn;
 use twinrotor_gpu::host::{Card, written};
 use twinrotor_gpu::words;
-use twinrotor_sim::device::Device;
+use twinrotor_sim::closed_loop::{ClosedLoop as _, RigLoop};
+use twinrotor_sim::device::{Batch, Change, Device};
+use twinrotor_sim::flight::Fidelity;
+use twinrotor_sim::judged::Rules;
+use twinrotor_sim::metrics::Criterion;
+use twinrotor_sim::scenario::{Disturbance, Scenario, Weight};
 use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::integral::Objective;
+use twinrotor_tune::optimise::Candidate;
 use twinrotor_tune::parallel::NEVER;
 use twinrotor_tune::robust::{Scenes, Trial};
+use twinrotor_tune::search::Problem as _;
 
 fn on(trial: &Trial, driver: StandIn) -> (Trial, Arc<Card<StandIn>>) {
     let card = Arc::new(Card::new(driver));
@@ -103,6 +114,88 @@ fn little_memory_takes_more_launches() {
     let (device, card) = on(&trial, StandIn::with(3_000, u64::MAX));
     assert_eq!(device.scores_until(&defaults::PAPER, NEVER), None);
     assert_eq!(card.failure(), Some(Fault::Memory));
+}
+
+/// Forty candidates from all over the bounds, of which the first ones lose early.
+fn candidates(objective: &Objective) -> Vec<Candidate> {
+    let position = |k: u32| (1..=4).map(|n| 1.0 + f64::from(k * 7 * n % 24)).collect::<Vec<_>>();
+    let all = |bound: f64| (0..40).map(move |k| Candidate { position: position(k), bound });
+    let costs = objective.costs(&all(f64::INFINITY).collect::<Vec<_>>());
+    let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    all(best).take(20).chain(all(1.3 * best).skip(20)).collect()
+}
+
+/// Every integral in both worlds, with a reference that moves and volts that push: the same costs, and the
+/// same ticks counted as spared.
+#[test]
+fn a_device_gives_the_integrals_of_this_processor() {
+    let mut spared = 0;
+    for (scenario, criterion) in [("step", Criterion::Ise), ("1", Criterion::Itae), ("2", Criterion::Iae)] {
+        for fidelity in [Fidelity::Ideal, Fidelity::Rig] {
+            let mut scenario = Scenario::named(scenario).unwrap();
+            scenario.duration = 1.5;
+            scenario.disturbance = Some(Disturbance { volts: 2.0, hold: 0.01, window: [0.2, 1.2] });
+            let objective = || Objective::new(criterion, &presets::PAPER, &scenario, fidelity, 3);
+            let card = Arc::new(Card::new(StandIn::default()));
+            let here = objective();
+            let device = objective().on(Some(Arc::clone(&card) as Arc<dyn Device>));
+            let generation = candidates(&objective());
+            assert_eq!(device.costs(&generation), here.costs(&generation));
+            assert_eq!(device.effort(), here.effort());
+            assert_eq!((card.driver().launches(), card.failure()), (1, None));
+            spared += here.effort().skipped;
+        }
+    }
+    assert!(spared > 1000, "{spared} ticks");
+}
+
+/// The hash of every tick is that of the closed loop flown by itself.
+#[test]
+fn a_trace_is_of_every_tick() {
+    let rig = presets::AERO2;
+    let trial = Trial::new(&rig, 3, 5, 1.0);
+    let settings = Settings::new(&rig, defaults::AERO2, SAMPLE_TIME).map(f32::from_f64);
+    let asked = Reference::at_rest(trial.step.cast());
+    let batch = Batch {
+        rules: Rules { goal: trial.step, envelope: rig.envelope, disturbance: 400, end: 500, hot: false },
+        course: &[
+            Change { tick: 0, asked: Some(asked), push: None },
+            Change { tick: 400, asked: None, push: Some(1.0) },
+        ],
+        hardware: Hardware::of(&rig, PerAxis::both(0.5)),
+        controllers: &[settings],
+        plants: &trial.plants,
+    };
+    let alone = trial.plants.iter().map(|draw| {
+        let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+        let mut flown = RigLoop::new(plant, &Hardware::of(&rig, draw.encoder_phase), &settings);
+        (0..500).fold(0xcbf2_9ce4_8422_2325_u64, |hash, tick| {
+            let push = if tick < 400 { PerMotor::zero() } else { draw.disturbance.cast() };
+            let happened = flown.tick(&asked, push);
+            let State { angle, rate } = happened.state;
+            let volts = happened.applied.to_array();
+            [angle.to_array(), rate.to_array(), volts]
+                .concat()
+                .iter()
+                .fold(hash, |hash, x| (hash ^ u64::from(x.to_bits())).wrapping_mul(0x100_0000_01b3))
+        })
+    });
+    let card = Card::new(StandIn::default());
+    assert_eq!(card.traces(&batch), Some(alone.collect()));
+}
+
+/// What befalls more than volts is flown by this processor.
+#[test]
+fn an_integral_with_a_weight_hung_on_is_flown_here() {
+    let mut scenario = Scenario::named("step").unwrap();
+    scenario.duration = 1.5;
+    scenario.events.weight.push(Weight { mass: 0.05, arm: 0.1, window: [0.5, 1.0] });
+    let objective = || Objective::new(Criterion::Ise, &presets::AERO, &scenario, Fidelity::Rig, 3);
+    let card = Arc::new(Card::new(StandIn::with(0, 0)));
+    let device = objective().on(Some(Arc::clone(&card) as Arc<dyn Device>));
+    let generation = candidates(&objective());
+    assert_eq!(device.costs(&generation), objective().costs(&generation));
+    assert_eq!(card.failure(), None);
 }
 
 /// A card that is lost in the middle of the work gives nothing more, and says why once and for all.

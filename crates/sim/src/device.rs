@@ -1,11 +1,14 @@
 //! Something that flies many flights at once beside this processor's lanes, with the same bits: a GPU.
 
+use crate::flight::Fidelity;
 use crate::judged::{Course, Ended, Flown, Rules};
+use crate::metrics::{Criterion, Integral};
 use std::fmt::Debug;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::Hardware;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::PlantParameters;
+use twinrotor::plant::presets::Rig;
+use twinrotor::plant::{PlantParameters, State};
 use twinrotor::reference::Reference;
 
 /// A plant, and what befalls it.
@@ -58,11 +61,57 @@ pub struct Batch<'a> {
     pub plants: &'a [Draw],
 }
 
+/// What happens in a flight from a tick on, until the next of these.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant {
+    /// From when on.
+    pub tick: u32,
+    /// What is asked for.
+    pub asked: Reference<f32>,
+    /// \[V\] Added to the volts in effect.
+    pub volts: PerMotor<f32>,
+}
+
+/// Flights of one plant that differ in the controller alone, and of which the integral of the error counts.
+#[derive(Debug, Clone, Copy)]
+pub struct Integrals<'a> {
+    /// Which.
+    pub criterion: Criterion,
+    /// What is flown.
+    pub rig: &'a Rig,
+    /// In which world; nothing of the hardware is worn.
+    pub fidelity: Fidelity,
+    /// Where from.
+    pub start: State<f64>,
+    /// \[V\] In effect at the rotors then.
+    pub rotors: PerMotor<f64>,
+    /// What happens, from tick 0 on.
+    pub course: &'a [Instant],
+    /// How many ticks.
+    pub ticks: u32,
+    /// The controllers, and the cost that each must get below.
+    pub candidates: &'a [(Settings<f32>, f64)],
+}
+
+/// What came of one of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Integrated {
+    /// At the end.
+    pub integral: Integral<f32>,
+    /// The first tick with a look in which it had lost; `None` for none.
+    pub first_lost: Option<u32>,
+    /// The last one in which it had not.
+    pub last_in_play: Option<u32>,
+}
+
 /// What flies batches.
 pub trait Device: Debug + Send + Sync {
     /// The sums of every flight, controller by controller, each in the order of the plants. Nothing if `stop`
     /// says so before all are known, or if the device has failed; then it keeps why, and gives nothing more.
     fn fly(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Flown>>;
+
+    /// What came of every candidate, on the same terms.
+    fn integrals(&self, work: &Integrals<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Integrated>>;
 
     /// For every flight whether and how a board would end it, in the same order and on the same terms.
     fn cuts(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Option<Ended>>>;

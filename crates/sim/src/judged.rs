@@ -3,7 +3,7 @@
 //!
 //! One copy for the lanes of the tuner and for a GPU's threads, over any [`Real`] in single precision.
 
-use crate::closed_loop::{BoardLoop, ClosedLoop, RigLoop};
+use crate::closed_loop::{BoardLoop, ClosedLoop, RigLoop, Tick};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::Envelope;
 use twinrotor::real::{Mask, Real};
@@ -16,8 +16,6 @@ use crate::metrics::{Overshoot, Settling};
 const DIVERGED: f64 = core::f64::consts::TAU;
 /// \[ticks\] The second before the disturbance, in which holding is judged.
 pub const HOLD: u32 = 1000;
-/// \[ticks\] From one question whether to stop to the next: milliseconds.
-const ASK_EVERY: u32 = 4096;
 /// Share of the heat of the continuous current with which motors are hot.
 pub const HOT: f64 = 0.9;
 
@@ -125,8 +123,8 @@ impl Rules {
     }
 }
 
-/// Flies to the end, unless `stop` says that nobody waits for it. The motors' `limit` \[V\] is what the
-/// controller knows, `disturbance` \[V\] what the course's pushes are parts of.
+/// Flies to the end, unless `watch`, which is shown every tick, says that nobody waits for it. The motors'
+/// `limit` \[V\] is what the controller knows, `disturbance` \[V\] what the course's pushes are parts of.
 #[inline(always)]
 pub fn fly<R: Real<Scalar = f32>>(
     mut closed_loop: RigLoop<R>,
@@ -134,16 +132,13 @@ pub fn fly<R: Real<Scalar = f32>>(
     disturbance: PerMotor<R>,
     rules: &Rules,
     mut course: impl Course,
-    stop: impl Fn() -> bool,
+    mut watch: impl FnMut(u32, &Tick<R>) -> bool,
 ) -> Option<Sums<R>> {
     let envelope = rules.envelope;
     let mut reference = Reference::at_rest(rules.goal.cast::<R>());
     let band_5: PerAxis<R> = rules.band(0.05);
     let mut s = Sums::new(rules);
     for tick in 0..rules.end {
-        if tick % ASK_EVERY == 0 && stop() {
-            return None;
-        }
         if let Some(asked) = course.asked(tick) {
             reference = Reference::splat(&asked);
         }
@@ -156,6 +151,9 @@ pub fn fly<R: Real<Scalar = f32>>(
         }
         let disturbed = tick >= rules.disturbance;
         let happened = hidden(&mut closed_loop).tick(&reference, push);
+        if !watch(tick, &happened) {
+            return None;
+        }
         let error = happened.error();
         let square = error.map(|e| e * e);
         if disturbed {

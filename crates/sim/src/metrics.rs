@@ -2,7 +2,7 @@
 //! for every lane and for the tuner, so that a cost is the same bits wherever it is computed.
 
 use crate::closed_loop::Tick;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 #[cfg(feature = "std")]
 use std::fmt;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -10,7 +10,7 @@ use twinrotor::compensated::Compensated;
 use twinrotor::real::Real;
 
 /// An integral of the tracking error over a flight, each axis on its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Criterion {
     /// ∫ e² dt \[rad² s\]: eq. (30), the paper's ISξ.
@@ -56,6 +56,17 @@ impl<R: Real> Integral<R> {
         let weight = R::from_f64(weight);
         self.sum.pitch.add(self.criterion.integrand(weight, error.pitch));
         self.sum.yaw.add(self.criterion.integrand(weight, error.yaw));
+    }
+
+    /// The sums so far, as they are kept.
+    #[inline(always)]
+    pub fn sums(&self) -> PerAxis<Compensated<R>> {
+        self.sum
+    }
+
+    /// One whose sums have come so far.
+    pub fn with(self, sum: PerAxis<Compensated<R>>) -> Self {
+        Self { sum, ..self }
     }
 
     /// The integral so far on each axis, in the lane, for ticks of `sample_time` \[s\].

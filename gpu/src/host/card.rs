@@ -2,17 +2,16 @@
 //! nothing more.
 
 use super::driver::{Argument, Driver, Fault};
-use super::written;
-use crate::robust::{CHANGE, Common, ended, from_words, usual};
+use super::work::{PLANT, Work, plant_words};
+use crate::integral;
+use crate::robust::{self, ended, usual};
 use std::string::{String, ToString};
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 use std::vec::Vec;
-use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::pipeline::Settings;
-use twinrotor::plant::{LaggedRotors, PlantParameters, Thrust as _};
-use twinrotor::real::Real as _;
-use twinrotor_sim::device::{Batch, Change, Device, Draw};
+use twinrotor_sim::device::{Batch, Device, Draw, Integrals, Integrated};
+use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::judged::{Ended, Flown};
 
 /// Most flights of a launch: a fraction of a second, so that a stop is heard.
@@ -25,17 +24,30 @@ const FEWEST: usize = 32;
 pub struct Card<D> {
     driver: D,
     failure: Mutex<Option<Fault>>,
+    busy: Mutex<Duration>,
 }
 
 impl<D: Driver> Card<D> {
     /// With nothing on it.
     pub fn new(driver: D) -> Self {
-        Self { driver, failure: Mutex::new(None) }
+        Self { driver, failure: Mutex::new(None), busy: Mutex::default() }
     }
 
     /// Its driver.
     pub fn driver(&self) -> &D {
         &self.driver
+    }
+
+    /// A hash of each flight's ticks, for comparing one device with another, on the terms of
+    /// [`Device::fly`].
+    pub fn traces(&self, batch: &Batch<'_>) -> Option<Vec<u64>> {
+        let read = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
+        self.run(&Kernel { name: "robust_trace", read }, Work::of_batch(batch), &|| false)
+    }
+
+    /// How long launches have taken, from the start to the sums on this side.
+    pub fn busy(&self) -> Duration {
+        self.busy.lock().map(|busy| *busy).unwrap_or_default()
     }
 
     /// What it is called.
@@ -52,13 +64,13 @@ impl<D: Driver> Card<D> {
     fn run<const W: usize, T: Copy>(
         &self,
         kernel: &Kernel<W, T>,
-        batch: &Batch<'_>,
+        work: Result<Work<'_>, Fault>,
         stop: &dyn Fn() -> bool,
     ) -> Option<Vec<T>> {
         if self.failure().is_some() {
             return None;
         }
-        match self.launches(kernel, batch, stop) {
+        match work.and_then(|work| self.launches(kernel, &work, stop)) {
             Ok(flown) => flown,
             Err(fault) => {
                 if let Ok(mut failure) = self.failure.lock() {
@@ -72,12 +84,12 @@ impl<D: Driver> Card<D> {
     fn launches<const W: usize, T: Copy>(
         &self,
         kernel: &Kernel<W, T>,
-        batch: &Batch<'_>,
+        work: &Work<'_>,
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<Vec<T>>, Fault> {
-        let (controllers, plants) = (batch.controllers.len(), batch.plants.len());
+        let (controllers, plants) = (work.controllers.len(), work.plants.len());
         let mut all: Vec<Option<T>> = std::vec![None; controllers * plants];
-        let shared = Shared::new(&self.driver, batch)?;
+        let shared = [self.driver.upload(&work.common)?, self.driver.upload(&work.course)?];
         let mut most = MOST;
         let mut from = 0;
         while from < plants {
@@ -86,8 +98,8 @@ impl<D: Driver> Card<D> {
             }
             let free = usize::try_from(self.driver.free()?).unwrap_or(usize::MAX);
             let part = Part::fitting(free, W, most, controllers, plants - from);
-            let these = batch.plants.get(from..from + part.plants).unwrap_or_default();
-            match self.part(kernel, &shared, batch, these, part.controllers, stop) {
+            let these = work.plants.get(from..from + part.plants).unwrap_or_default();
+            match self.part(kernel, &shared, work, these, part.controllers, stop) {
                 Ok(Some(sums)) => {
                     for (c, sums) in sums.chunks(these.len()).enumerate() {
                         let place = c * plants + from;
@@ -112,41 +124,43 @@ impl<D: Driver> Card<D> {
     fn part<const W: usize, T: Copy>(
         &self,
         kernel: &Kernel<W, T>,
-        shared: &Shared<D::Memory>,
-        batch: &Batch<'_>,
+        [common, course]: &[D::Memory; 2],
+        work: &Work<'_>,
         plants: &[Draw],
         controllers: usize,
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<Vec<T>>, Fault> {
         let numbers = self.driver.upload(&plant_words(plants))?;
-        let mut sums = Vec::with_capacity(batch.controllers.len() * plants.len());
-        for group in batch.controllers.chunks(controllers) {
+        let mut sums = Vec::with_capacity(work.controllers.len() * plants.len());
+        for group in work.controllers.chunks(controllers) {
             if stop() {
                 return Ok(None);
             }
-            let (settings, each) = settings_words(group)?;
+            let (settings, each) = padded(group);
             let flights = group.len() * plants.len();
             let settings_length = settings.len();
             let settings = self.driver.upload(&settings)?;
             let out = self.driver.reserve(flights * W)?;
-            let usual = group.iter().all(|s| usual(*s).is_some());
-            let name = if usual { kernel.usual } else { kernel.any };
             let arguments = [
-                Argument::Words(&shared.common),
-                number(shared.common_length)?,
+                Argument::Words(common),
+                number(work.common.len())?,
                 Argument::Words(&settings),
                 number(settings_length)?,
                 number(each)?,
                 Argument::Words(&numbers),
                 number(plants.len() * PLANT)?,
                 number(plants.len())?,
-                Argument::Words(&shared.course),
-                number(shared.course_length)?,
+                Argument::Words(course),
+                number(work.course.len())?,
                 Argument::Words(&out),
                 number(flights)?,
             ];
-            self.driver.launch(name, &arguments, count(flights)?)?;
+            let begun = Instant::now();
+            self.driver.launch(kernel.name, &arguments, count(flights)?)?;
             let words = self.driver.download(&out)?;
+            if let Ok(mut busy) = self.busy.lock() {
+                *busy += begun.elapsed();
+            }
             let word = |k: usize, w: usize| words.get(w * flights + k).copied().unwrap_or(0);
             sums.extend((0..flights).map(|k| (kernel.read)(std::array::from_fn(|w| word(k, w)))));
         }
@@ -156,20 +170,38 @@ impl<D: Driver> Card<D> {
 
 impl<D: Driver> Device for Card<D> {
     fn fly(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Flown>> {
-        self.run(&Kernel { usual: "robust_usual", any: "robust_any", read: from_words }, batch, stop)
+        let usual = batch.controllers.iter().all(|controller| usual(*controller).is_some());
+        let name = if usual { "robust_usual" } else { "robust_any" };
+        self.run(&Kernel { name, read: robust::from_words }, Work::of_batch(batch), stop)
     }
 
     fn cuts(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Option<Ended>>> {
-        self.run(&Kernel { usual: "robust_cut", any: "robust_cut", read: ended }, batch, stop)
+        self.run(&Kernel { name: "robust_cut", read: ended }, Work::of_batch(batch), stop)
+    }
+
+    fn integrals(&self, work: &Integrals<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Integrated>> {
+        let name = match work.fidelity {
+            Fidelity::Ideal => "integral_ideal",
+            Fidelity::Rig => "integral_rig",
+        };
+        let plant = [Draw {
+            plant: work.rig.plant,
+            disturbance: PerMotor::zero(),
+            encoder_phase: PerAxis::both(0.5),
+        }];
+        let words =
+            self.run(&Kernel { name, read: |words| words }, Work::of_integrals(work, &plant), stop)?;
+        let integrated = |words| {
+            let (integral, first_lost, last_in_play) = integral::from_words(work.criterion, words);
+            Integrated { integral, first_lost, last_in_play }
+        };
+        Some(words.into_iter().map(integrated).collect())
     }
 }
 
 /// A kernel that writes `W` words for each flight, and what they say.
 struct Kernel<const W: usize, T> {
-    /// Its name where every controller is of the [usual] kinds.
-    usual: &'static str,
-    /// The same for all.
-    any: &'static str,
+    name: &'static str,
     read: fn([u32; W]) -> T,
 }
 
@@ -191,28 +223,7 @@ impl Part {
     }
 }
 
-/// What every launch of a batch reads.
-struct Shared<M> {
-    common: M,
-    common_length: usize,
-    course: M,
-    course_length: usize,
-}
-
-impl<M> Shared<M> {
-    fn new<D: Driver<Memory = M>>(driver: &D, batch: &Batch<'_>) -> Result<Self, Fault> {
-        let common = written(&Common::new(&batch.rules, &batch.hardware)).map_err(unsaid)?;
-        let course: Vec<u32> = batch.course.iter().flat_map(change_words).collect();
-        Ok(Self {
-            common_length: common.len(),
-            common: driver.upload(&common)?,
-            course_length: course.len(),
-            course: driver.upload(&course)?,
-        })
-    }
-}
-
-fn unsaid(why: impl ToString) -> Fault {
+pub(super) fn unsaid(why: impl ToString) -> Fault {
     Fault::Lost(why.to_string())
 }
 
@@ -225,43 +236,9 @@ fn number<'a, M>(of: usize) -> Result<Argument<'a, M>, Fault> {
 }
 
 /// Every controller in as many words as the longest needs, and how many that is.
-fn settings_words(controllers: &[Settings<f32>]) -> Result<(Vec<u32>, usize), Fault> {
-    let words: Vec<Vec<u32>> = controllers.iter().map(written).collect::<Result<_, _>>().map_err(unsaid)?;
-    let each = words.iter().map(Vec::len).max().unwrap_or(0);
-    let filled = |words: Vec<u32>| words.into_iter().chain(std::iter::repeat(0)).take(each);
-    Ok((words.into_iter().flat_map(filled).collect(), each))
-}
-
-fn change_words(change: &Change) -> [u32; CHANGE] {
-    let asked = change.asked.unwrap_or_default();
-    let [angle, rate, accel] = [asked.angle, asked.rate, asked.accel].map(|x| x.map(f32::to_bits).to_array());
-    let flags = u32::from(change.asked.is_some()) | u32::from(change.push.is_some()) << 1;
-    let push = change.push.unwrap_or(0.0).to_bits();
-    [change.tick, flags, angle[0], angle[1], rate[0], rate[1], accel[0], accel[1], push]
-}
-
-/// Words of a plant.
-const PLANT: usize = PLANT_CONSTANTS + ROTORS + 4;
-const PLANT_CONSTANTS: usize = 22;
-const ROTORS: usize = 14;
-
-/// The plants' numbers, each in the order in which a thread reads them, neighbours side by side.
-fn plant_words(plants: &[Draw]) -> Vec<u32> {
-    let mut words = std::vec![0; plants.len() * PLANT];
-    for (p, draw) in plants.iter().enumerate() {
-        let mut next = words.iter_mut().skip(p).step_by(plants.len());
-        let mut push = |x: f32| {
-            if let Some(word) = next.next() {
-                *word = x.to_bits();
-            }
-        };
-        let constants: PlantParameters<f32> = draw.plant.map(f32::from_f64);
-        constants.map(&mut push);
-        LaggedRotors::<f32>::new(&draw.plant, SAMPLE_TIME).map(&mut push);
-        let disturbance: PerMotor<f32> = draw.disturbance.cast();
-        let phase: PerAxis<f32> = draw.encoder_phase.cast();
-        disturbance.map(&mut push);
-        phase.map(&mut push);
-    }
-    words
+fn padded(controllers: &[Vec<u32>]) -> (Vec<u32>, usize) {
+    let each = controllers.iter().map(Vec::len).max().unwrap_or(0);
+    let filled =
+        |words: &Vec<u32>| words.iter().copied().chain(std::iter::repeat(0)).take(each).collect::<Vec<_>>();
+    (controllers.iter().flat_map(filled).collect(), each)
 }

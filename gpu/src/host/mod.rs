@@ -5,6 +5,7 @@ mod card;
 pub mod cuda;
 pub mod driver;
 pub mod stand_in;
+mod work;
 mod write;
 
 pub use card::Card;

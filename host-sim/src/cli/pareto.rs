@@ -1,6 +1,6 @@
 //! `pareto`: no single best, but the choice there is.
 
-use super::common::{Common, Spreads, bar, within};
+use super::common::{Common, Device, Spreads, bar, within};
 use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
@@ -9,7 +9,6 @@ use crate::files::export;
 use crate::files::figure;
 use crate::files::output::{self, Outputs};
 use crate::stop;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor_sim::error::{at_least, known_name};
@@ -26,6 +25,8 @@ use twinrotor_tune::tunable::Tunable;
 pub(super) struct Args {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    device: Device,
     /// Whose parameters, around its design
     #[arg(long, default_value = "integral", value_name = "NAME")]
     controller: String,
@@ -73,18 +74,25 @@ struct Document<'a> {
     front: &'a [Compromise],
 }
 
-/// What a position costs, unless nobody waits for it.
-fn costs(trial: &Trial, tunable: &Tunable, position: &[f64]) -> Option<Vec<f64>> {
-    let scores = trial.scores_until(&tunable.controller(position), &stop::requested)?;
+/// What positions cost, unless nobody waits for it.
+fn costs(trial: &Trial, tunable: &Tunable, positions: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let controllers: Vec<_> = positions.iter().map(|x| (tunable.controller(x), f64::INFINITY)).collect();
+    let flown = trial.all_below(&controllers, &stop::requested)?;
+    flown.into_iter().map(|(scores, _)| scores.as_deref().map(cost)).collect()
+}
+
+/// What a controller with these scores costs.
+fn cost(scores: &[Score]) -> Vec<f64> {
     let mean = Terms::mean(scores.iter().map(Score::terms));
     // A controller that fails on some plants is no compromise: it loses to any that does not.
     let failed = 100.0 * scores.iter().filter(|s| s.failed).count() as f64;
-    Some(vec![mean.settling + failed, mean.disturbance + failed, 1e3 * (mean.variation + failed)])
+    vec![mean.settling + failed, mean.disturbance + failed, 1e3 * (mean.variation + failed)]
 }
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     check(args)?;
+    let flying = args.device.find()?;
     let start = match &args.start {
         Some(path) => files::gains("--start", path)?.controller,
         None => known_name("controller", &args.controller, &CATALOGUE)?(&named.rig),
@@ -93,7 +101,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let allowance = robust::allowance(&named.name, &named.rig);
     let scatter = args.spreads.scatter()?;
     let trial = Trial::within(&named.rig, args.plants, args.common.seed, allowance, &scatter)
-        .flying(args.scenes.into());
+        .flying(args.scenes.into())
+        .on(flying.device());
     let reach = args.range.ln();
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     output::check_folder("--out", &args.out)?;
@@ -110,11 +119,12 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         &bounds,
         Draws::new(args.common.seed),
         [args.population, args.iterations],
-        |all| all.par_iter().map(|position| costs(&trial, &tunable, position)).collect(),
+        |all| costs(&trial, &tunable, all),
         |evaluations| bar.set_position(evaluations as u64),
     );
     bar.finish_and_clear();
     if front.is_empty() {
+        flying.all(flying.failure().is_none().then_some(()))?;
         return Err(Failure::Interrupted(
             "the first generation had not flown yet; nothing is written".to_owned(),
         ));
@@ -140,11 +150,12 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         print(&format!("{}{}", summary(args, &named, &found), outputs.unwritten()))?;
     }
     outputs.done()?;
-    if stop::requested() {
-        let kept = format!("the front after {evaluations} evaluations is in {}", args.out.display());
-        return Err(Failure::Interrupted(kept));
+    let kept = format!("the front after {evaluations} evaluations is in {}", args.out.display());
+    match flying.failure() {
+        Some(why) => Err(Failure::Run(format!("{why}; {kept}"))),
+        None if stop::requested() => Err(Failure::Interrupted(kept)),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn check(args: &Args) -> Outcome<()> {

@@ -102,3 +102,51 @@ fn a_device_that_is_not_there_or_is_lost_is_one_line_and_nothing_is_written() {
         assert!(!folder.path().join("f.csv").exists());
     }
 }
+
+/// The paper's search, and one whose flights push the rig about.
+#[test]
+fn an_integral_is_searched_for_with_the_same_bytes_whatever_flies() {
+    let folder = tempfile::tempdir().unwrap();
+    for more in
+        [&["--algorithm", "fpa-paper"][..], &["--fidelity", "rig", "--scenario", "1", "--horizon", "2"]]
+    {
+        let tune = |device: &str, out: &str| {
+            let args = ["tune", "--population", "20", "--iterations", "3", "--json", "--out", out];
+            let told = told(folder.path(), &[&args[..], &["--device", device], more].concat());
+            (told, fs::read(folder.path().join(out)).unwrap())
+        };
+        assert_eq!(tune(STAND_IN, "device.toml"), tune("cpu", "cpu.toml"));
+    }
+}
+
+#[test]
+fn a_front_is_the_same_whatever_flies_and_kept_where_a_device_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let pareto = |device: &str, out: &str| {
+        let args =
+            ["pareto", "--plants", "4", "--population", "6", "--iterations", "4", "--json", "--out", out];
+        host_sim(folder.path(), &[&args[..], &["--device", device]].concat())
+    };
+    let here = pareto("cpu", "here");
+    assert!(here.status.success(), "{}", String::from_utf8_lossy(&here.stderr));
+    assert_eq!(pareto(STAND_IN, "there").stdout, here.stdout);
+    let lost = pareto("stand-in:1", "lost");
+    let why = String::from_utf8(lost.stderr).unwrap();
+    assert_eq!(lost.status.code(), Some(1), "{why}");
+    assert!(why.contains("unplugged; the front after 6 evaluations is in lost"), "{why}");
+    assert!(folder.path().join("lost/front.csv").exists());
+}
+
+/// Nobody waits for a card where the processor is faster without being told so.
+#[test]
+fn too_few_flights_for_a_device_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let compare = |device: &str| {
+        let gains = gains();
+        let args = ["compare", "--gains", &gains, "--plants", "4", "--controllers", "pd", "--device", device];
+        String::from_utf8(host_sim(folder.path(), &args).stdout).unwrap()
+    };
+    let (here, there) = (compare("cpu"), compare(STAND_IN));
+    let note = there.strip_prefix(&here).expect("beside the note it is the same");
+    assert!(note.starts_with("note: 4 flights go to the card at once; with fewer than about "), "{note}");
+}

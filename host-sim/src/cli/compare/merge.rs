@@ -48,6 +48,7 @@ pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
         export: args.export.as_deref(),
         plot: args.plot.as_deref(),
         report: args.report.as_deref(),
+        note: "",
     };
     show(&head, &flown, &wanted, &mut outputs)?;
     outputs.done()

@@ -154,6 +154,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         export: args.export.as_deref(),
         plot: args.plot.as_deref(),
         report: args.report.as_deref(),
+        note: &found.note(args.plants, device::RIG_FLIGHTS),
     };
     show(&head, &flown, &wanted, &mut outputs)?;
     outputs.done()
@@ -179,11 +180,13 @@ struct Wanted<'a> {
     export: Option<&'a Path>,
     plot: Option<&'a Path>,
     report: Option<&'a Path>,
+    /// Under the table.
+    note: &'a str,
 }
 
 /// Tells what came of it.
 fn show(head: &Head, flown: &Flown, wanted: &Wanted<'_>, outputs: &mut Outputs) -> Outcome<()> {
-    let Wanted { json, export, plot, report: folder } = *wanted;
+    let Wanted { json, export, plot, report: folder, note } = *wanted;
     let scores = match flown {
         Flown::Scenario(scenario, flights) => return scenario::show(head, scenario, flights, json),
         Flown::Steps(scores) => scores,
@@ -223,7 +226,7 @@ fn show(head: &Head, flown: &Flown, wanted: &Wanted<'_>, outputs: &mut Outputs) 
             controllers: rows,
         })
     } else {
-        print(&report(head, &rows))
+        print(&format!("{}{note}", report(head, &rows)))
     }
 }
 

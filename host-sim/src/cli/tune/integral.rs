@@ -3,8 +3,9 @@
 use super::report::{document, name_of, summary};
 use super::request::{Request, left};
 use crate::cli::choices;
-use crate::cli::common::{beside, no_effect, pair, refuse_in_ideal_world};
+use crate::cli::common::{End, beside, no_effect, pair, refuse_in_ideal_world};
 use crate::cli::{print, print_json};
+use crate::device;
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files::{self, figure};
@@ -102,13 +103,10 @@ impl Args {
 
 pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> Outcome<()> {
     let task = args.resolve(request, criterion)?;
-    if request.found.device().is_some() {
-        let why = "only the robust objective is flown by a device; leave it out";
-        return Err(Failure::Input(format!("--device without --objective robust: {why}")));
-    }
     let Task { scenario, fidelity, bounds, plot, .. } = &task;
     let named = &request.named;
-    let objective = Objective::new(criterion, &named.rig, scenario, *fidelity, request.seed);
+    let objective =
+        Objective::new(criterion, &named.rig, scenario, *fidelity, request.seed).on(request.found.device());
     let identity = request
         .identity()
         .with("objective", name_of(criterion))
@@ -138,7 +136,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     let mut outputs = request.outputs.take();
     outputs.write(request.out, found.to_toml().as_bytes());
     drop(listening);
-    if stop::requested() {
+    if stop::requested() || end == End::Device {
         if request.json {
             print_json(&document(&task, &search, &found))?;
         }
@@ -153,7 +151,13 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     if request.json {
         print_json(&document(&task, &search, &found))?;
     } else {
-        print(&format!("{}{}", summary(&task, &search, &objective, &found, &flown), outputs.unwritten()))?;
+        let each_core = match fidelity {
+            Fidelity::Ideal => device::IDEAL_FLIGHTS,
+            Fidelity::Rig => device::RIG_FLIGHTS,
+        };
+        let note = request.found.note(request.generation(), each_core);
+        let summary = summary(&task, &search, &objective, &found, &flown);
+        print(&format!("{summary}{}{note}", outputs.unwritten()))?;
     }
     outputs.done()
 }

@@ -96,6 +96,11 @@ impl<'a> Request<'a> {
         })
     }
 
+    /// About how many candidates fly at once.
+    pub(super) fn generation(&self) -> usize {
+        self.setup.population.unwrap_or(50)
+    }
+
     /// What decides the outcome, whatever is minimised.
     pub(super) fn identity(&self) -> Identity {
         Identity::new()

@@ -5,6 +5,7 @@ use super::report::Run;
 use super::request::{Request, left};
 use crate::cli::common::{End, Spreads, no_effect, within};
 use crate::cli::{choices, print, print_json, tables};
+use crate::device;
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::stop;
@@ -206,7 +207,8 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         let tuned =
             Tunable::new(&found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
         let summary = summary(request, &tunable, &search, &tuned, [&before, &after]);
-        print(&format!("{summary}{}{}", proof.text(), outputs.unwritten()))?;
+        let note = request.found.note(request.generation() * plants, device::RIG_FLIGHTS);
+        print(&format!("{summary}{}{}{note}", proof.text(), outputs.unwritten()))?;
     }
     outputs.done()?;
     match proof.stopped() {

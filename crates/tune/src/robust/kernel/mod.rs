@@ -17,6 +17,9 @@ use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
 use twinrotor_sim::metrics::Settling;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
+/// \[ticks\] From one question whether to stop to the next: milliseconds.
+const ASK_EVERY: u32 = 4096;
+
 /// The scores of up to [`LANES`](twinrotor_sim::lanes::LANES) plants.
 pub(super) fn scores(
     trial: &Trial,
@@ -80,7 +83,15 @@ impl Kernel for Flights<'_> {
         let limit = self.settings.volts_limit.map(R::splat);
         let rules = self.course.rules(self.truth.envelope);
         let (flown, disturbance) = (self.closed_loop::<R>(), self.disturbance::<R>());
-        let sums = fly(flown, limit, disturbance, &rules, self.course, self.stop)?;
+        let sums = fly(
+            flown,
+            limit,
+            disturbance,
+            &rules,
+            self.course,
+            #[inline(always)]
+            |tick, _| !(tick % ASK_EVERY == 0 && (self.stop)()),
+        )?;
         Some((0..self.plants.len()).map(|k| sums.lane(k)).collect())
     }
 }
