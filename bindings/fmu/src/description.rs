@@ -40,7 +40,7 @@ pub fn description(design: &Design) -> String {
   generationTool="Twinrotor {}" variableNamingConvention="structured" numberOfEventIndicators="0"
   description="A two-rotor laboratory helicopter; a step is a multiple of 1 ms, inputs are held during it">
   <CoSimulation modelIdentifier="{IDENTIFIER}" canHandleVariableCommunicationStepSize="true"
-    canGetAndSetFMUstate="true" canSerializeFMUstate="false"/>
+    canGetAndSetFMUstate="true" canSerializeFMUstate="true"/>
   <UnitDefinitions>
 "#,
         escaped(&name),

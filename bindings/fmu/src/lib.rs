@@ -5,6 +5,7 @@
 
 mod description;
 mod design;
+mod history;
 pub mod interface;
 mod model;
 mod variables;

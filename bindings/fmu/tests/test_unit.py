@@ -162,6 +162,41 @@ def test_a_hundred_rollbacks_are_the_straight_run(unit) -> None:
         assert straight.get(*STATE) == wild.get(*STATE)
 
 
+def test_a_hundred_states_as_bytes_are_the_straight_run(unit) -> None:
+    """Each in another instance, with a parameter that was set before it began."""
+    straight = unit("aero2-loop")
+    value = 0.8 * straight.get("controller.pitch.position")[0]
+    straight.set(controller__pitch__position=value)
+    straight.begin()
+    others = [unit("aero2-loop").begin() for _ in range(2)]
+    chance = random.Random(4)
+    for k in range(100):
+        straight.set(setpoint__pitch=chance.uniform(-0.2, 0.2), disturbance__main=chance.uniform(-1.0, 1.0))
+        state = straight.slave.getFMUstate()
+        data = straight.slave.serializeFMUstate(state)
+        straight.slave.freeFMUstate(state)
+        one = others[k % 2]
+        there = one.slave.deSerializeFMUstate(data)
+        one.slave.setFMUstate(there)
+        one.slave.freeFMUstate(there)
+        one.time = straight.time
+        for each in (straight, one):
+            each.step(0.03)
+        assert straight.get(*STATE) == one.get(*STATE), k
+        assert one.get("controller.pitch.position") == [value]
+
+
+def test_bytes_that_are_no_state_of_this_unit_are_refused(unit) -> None:
+    one, other = unit("aero2-loop").begin(), unit("heli-loop").begin()
+    state = other.slave.getFMUstate()
+    data = other.slave.serializeFMUstate(state)
+    other.slave.freeFMUstate(state)
+    for wrong in (data, data[:-1], b"", bytes([data[0] ^ 1]) + data[1:]):
+        with pytest.raises(FMICallException):
+            one.slave.deSerializeFMUstate(wrong)
+    one.step()
+
+
 def test_a_parameter_changes_the_flight_before_it_begins_and_not_after(unit) -> None:
     own, other = unit("aero2-loop"), unit("aero2-loop")
     gain = "controller.pitch.position"
