@@ -80,7 +80,7 @@ fn scalar(xml: &mut String, reference: usize, variable: &Variable) {
     let (causality, variability, initial) = match causality {
         Causality::Input => ("input", "continuous", ""),
         Causality::Output => ("output", "continuous", r#" initial="calculated""#),
-        Causality::Parameter => ("parameter", "fixed", r#" initial="exact""#),
+        Causality::Parameter => ("parameter", "tunable", r#" initial="exact""#),
     };
     let _ = write!(
         xml,

@@ -16,12 +16,21 @@ pub(crate) struct Held {
     pub(crate) inputs: [f64; INPUTS],
 }
 
+/// A parameter that was set in flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tuned {
+    /// The first tick that knew of it.
+    pub(crate) tick: u64,
+    pub(crate) reference: u32,
+    pub(crate) value: f64,
+}
+
 /// A state, taken apart.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Course {
     /// Whose: another unit cannot take it.
     pub(crate) guid: String,
-    /// The gains file of its controller.
+    /// The gains file of the controller that it began with.
     pub(crate) gains: String,
     pub(crate) begun: bool,
     /// How many have passed.
@@ -29,6 +38,7 @@ pub(crate) struct Course {
     /// Those of the next one.
     pub(crate) inputs: [f64; INPUTS],
     pub(crate) held: Vec<Held>,
+    pub(crate) tuned: Vec<Tuned>,
 }
 
 impl Course {
@@ -39,6 +49,12 @@ impl Course {
             payload.extend(text.as_bytes());
         }
         payload.extend(u64::from(self.begun).to_le_bytes());
+        payload.extend((self.tuned.len() as u64).to_le_bytes());
+        for Tuned { tick, reference, value } in &self.tuned {
+            payload.extend(tick.to_le_bytes());
+            payload.extend(u64::from(*reference).to_le_bytes());
+            payload.extend(value.to_le_bytes());
+        }
         let last = Held { tick: self.ticks, inputs: self.inputs };
         for Held { tick, inputs } in self.held.iter().chain([&last]) {
             payload.extend(tick.to_le_bytes());
@@ -58,6 +74,11 @@ impl Course {
             let mut rest = (crc32fast::hash(payload) == u32::from_le_bytes(*sum)).then_some(payload)?;
             let (guid, gains) = (text(&mut rest)?, text(&mut rest)?);
             let begun = number(&mut rest)? != 0;
+            let mut tuned = Vec::new();
+            for _ in 0..number(&mut rest)? {
+                let (tick, reference) = (number(&mut rest)?, u32::try_from(number(&mut rest)?).ok()?);
+                tuned.push(Tuned { tick, reference, value: f64::from_bits(number(&mut rest)?) });
+            }
             let mut held = Vec::new();
             while !rest.is_empty() {
                 let tick = number(&mut rest)?;
@@ -70,7 +91,9 @@ impl Course {
             let Held { tick: ticks, inputs } = held.pop()?;
             let in_order = held.is_sorted_by(|one, next| one.tick < next.tick);
             let ends = held.last().is_none_or(|last| last.tick < ticks);
-            (in_order && ends).then_some(Self { guid, gains, begun, ticks, inputs, held })
+            let known =
+                tuned.is_sorted_by_key(|tuned| tuned.tick) && tuned.last().is_none_or(|t| t.tick <= ticks);
+            (in_order && ends && known).then_some(Self { guid, gains, begun, ticks, inputs, held, tuned })
         };
         let told =
             || Error::invalid("serialized state", format!("{} bytes", bytes.len()), "one of this unit's");
@@ -104,6 +127,10 @@ mod tests {
             ticks: 7,
             inputs: [0.1, -0.0, 3.0, f64::MIN_POSITIVE, 1e300],
             held: vec![Held { tick: 0, inputs: [0.0; INPUTS] }, Held { tick: 4, inputs: [1.5; INPUTS] }],
+            tuned: vec![
+                Tuned { tick: 3, reference: 9, value: 2.5 },
+                Tuned { tick: 7, reference: 8, value: 0.1 },
+            ],
         };
         let bytes = course.to_bytes();
         assert_eq!(Course::from_bytes(&bytes), Ok(course.clone()));

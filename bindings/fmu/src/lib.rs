@@ -8,6 +8,7 @@ mod design;
 mod history;
 pub mod interface;
 mod model;
+mod tuning;
 mod variables;
 
 pub use description::description;

@@ -1,15 +1,20 @@
 //! What a unit holds, and a tick of it.
 
 use crate::design::{Design, What};
-use crate::history::{Course, Held, INPUTS};
+use crate::history::{Course, Held, INPUTS, Tuned};
+use crate::tuning::{Asked, Tuning};
 use crate::variables::{Place, Variable, variables};
 use std::sync::Arc;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::Bench;
+use twinrotor::parameters::Parameters;
 use twinrotor::plant::State;
+use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::ArmState;
+use twinrotor::trial::Attempt;
+use twinrotor::validate::Invalid;
 use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, ReadyBoard};
 use twinrotor_sim::flight::{self, Fidelity, Plan};
 use twinrotor_sim::gains_file::GainsFile;
@@ -43,6 +48,10 @@ pub struct Model {
     begun: bool,
     /// Copied where a state is taken: a few numbers for each change of the inputs.
     held: Vec<Held>,
+    tuned: Vec<Tuned>,
+    tuning: Tuning,
+    /// Of its board.
+    parameters: Arc<Parameters>,
 }
 
 impl Model {
@@ -60,6 +69,7 @@ impl Model {
             }
         }
         let machine = machine(&design)?;
+        let (controller, parameters) = (design.gains.controller, parameters(&design));
         Ok(Self {
             guid: design.guid().into(),
             design: Arc::new(design),
@@ -70,6 +80,9 @@ impl Model {
             ticks: 0,
             begun: false,
             held: Vec::new(),
+            tuned: Vec::new(),
+            tuning: Tuning::new(controller),
+            parameters,
         })
     }
 
@@ -84,7 +97,7 @@ impl Model {
         self.ticks as f64 * SAMPLE_TIME
     }
 
-    /// The simulation begins: parameters stay as they are from now on.
+    /// The simulation begins: a parameter that is set from now on is a trial.
     pub fn begin(&mut self) {
         self.begun = true;
     }
@@ -98,11 +111,12 @@ impl Model {
         Ok(match self.variable(reference)?.place {
             Place::Input(k) => self.inputs[k],
             Place::Output(of) => of(self),
-            Place::Setting(field) => self.design.gains.controller.get(field.name).unwrap_or_default(),
+            Place::Setting(field) => self.tuning.controller().get(field.name).unwrap_or_default(),
         })
     }
 
-    /// Sets an input, or a parameter before the simulation begins.
+    /// Sets an input or a parameter. One that is set after the simulation has begun is tried in flight: what
+    /// was set at one instant together. If the board takes it back, the parameter is again what it was.
     ///
     /// # Errors
     ///
@@ -119,18 +133,30 @@ impl Model {
                 Ok(())
             }
             Place::Output(_) => Err(Error::invalid(&variable.name, value, "reading: it is an output")),
-            Place::Setting(_) if self.begun => {
-                Err(Error::invalid(&variable.name, value, "setting it before the simulation begins"))
-            }
             Place::Setting(field) => {
-                let mut design = (*self.design).clone();
-                design.gains.controller.set(field.name, value)?;
-                design.gains.controller.validate()?;
-                self.machine = machine(&design)?;
-                self.design = Arc::new(design);
+                let mut controller = *self.tuning.controller();
+                controller.set(field.name, value)?;
+                controller.validate()?;
+                if self.begun {
+                    Attempt::new(controller.map(f32::from_f64)).validate().map_err(told)?;
+                    self.tuning.want(controller);
+                    self.tuned.push(Tuned { tick: self.ticks, reference, value });
+                } else {
+                    let mut design = (*self.design).clone();
+                    design.gains.controller = controller;
+                    self.become_design(design)?;
+                }
                 Ok(())
             }
         }
+    }
+
+    fn become_design(&mut self, design: Design) -> Outcome<()> {
+        self.machine = machine(&design)?;
+        self.tuning = Tuning::new(design.gains.controller);
+        self.parameters = parameters(&design);
+        self.design = Arc::new(design);
+        Ok(())
     }
 
     fn variable(&self, reference: u32) -> Outcome<&Variable> {
@@ -180,6 +206,7 @@ impl Model {
             ticks: self.ticks,
             inputs: self.inputs,
             held: self.held.clone(),
+            tuned: self.tuned.clone(),
         }
         .to_bytes()
     }
@@ -204,20 +231,21 @@ impl Model {
         if controller != design.gains.controller {
             design.gains = GainsFile { controller, provenance: None };
         }
-        let mut there = Self {
-            machine: machine(&design)?,
-            design: Arc::new(design),
-            inputs: course.inputs,
-            volts: PerMotor::zero(),
-            ticks: 0,
-            begun: course.begun,
-            held: Vec::new(),
-            ..self.clone()
-        };
+        let fresh = Self { ticks: 0, held: Vec::new(), tuned: Vec::new(), ..self.clone() };
+        let mut there = Self { volts: PerMotor::zero(), begun: course.begun, ..fresh };
+        there.become_design(design)?;
+        let mut tuned = course.tuned.iter().peekable();
         let ends = course.held.iter().skip(1).map(|next| next.tick).chain([course.ticks]);
         for (held, end) in course.held.iter().zip(ends) {
             there.inputs = held.inputs;
-            there.advance(end - held.tick);
+            while let Some(next) = tuned.next_if(|tuned| tuned.tick < end) {
+                there.advance(next.tick.saturating_sub(there.ticks));
+                there.set(next.reference, next.value)?;
+            }
+            there.advance(end - there.ticks);
+        }
+        for last in tuned {
+            there.set(last.reference, last.value)?;
         }
         there.inputs = course.inputs;
         Ok(there)
@@ -226,6 +254,7 @@ impl Model {
     fn tick(&mut self) {
         #[expect(clippy::cast_possible_truncation, reason = "finite, and f32 is what flies")]
         let [a, b, c, d, e] = self.inputs.map(|x| x as f32);
+        let asked = self.asked();
         match &mut self.machine {
             Machine::Plant(bench) => {
                 bench.disturbance = PerMotor::new(c, d);
@@ -233,16 +262,37 @@ impl Model {
             }
             Machine::Controller(board) => {
                 let counters = PerAxis::new(self.inputs[2], self.inputs[3]).map(counter);
-                let outputs = board.tick(counters, e, &Reference::at_rest(PerAxis::new(a, b)));
+                let outputs = match &asked {
+                    Some((command, trial)) => board.tick_with(counters, e, command, trial.as_ref()),
+                    None => board.tick(counters, e, &Reference::at_rest(PerAxis::new(a, b))),
+                };
                 let given = board.control().frame().volts;
                 self.volts = if outputs.enable { given } else { PerMotor::zero() };
             }
             Machine::Loop(both) => {
-                let setpoint = Reference::at_rest(PerAxis::new(a, b));
-                self.volts = both.tick(&setpoint, PerMotor::new(c, d)).applied;
+                let disturbance = PerMotor::new(c, d);
+                self.volts = match &asked {
+                    Some((command, trial)) => {
+                        let (counters, supply) = (both.bench.counters(), both.bench.supply);
+                        let outputs = both.board.tick_with(counters, supply, command, trial.as_ref());
+                        both.bench.disturbance = disturbance;
+                        both.bench.tick(outputs.duty, outputs.enable)
+                    }
+                    None => both.tick(&Reference::at_rest(PerAxis::new(a, b)), disturbance).applied,
+                };
             }
         }
         self.ticks += 1;
+    }
+
+    /// What the operator of its board asks for in the tick that comes, beside flying on.
+    fn asked(&mut self) -> Option<Asked> {
+        let control = match &self.machine {
+            Machine::Plant(_) => return None,
+            Machine::Controller(board) => board.control(),
+            Machine::Loop(both) => both.board.control(),
+        };
+        self.tuning.ask(control, &self.parameters)
     }
 
     fn bench(&self) -> Option<&Bench<f32>> {
@@ -289,6 +339,17 @@ fn lookup(variables: &[Variable], reference: u32) -> Outcome<&Variable> {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counters wrap")]
 fn counter(count: f64) -> u32 {
     count.rem_euclid(65_536.0) as u32
+}
+
+/// What a board of it is made with, as far as a trial asks.
+fn parameters(design: &Design) -> Arc<Parameters> {
+    let rig = &design.named.rig;
+    Arc::new(Parameters::new(rig, &design.gains.settings(rig)))
+}
+
+/// What the core says of a value, as everywhere here.
+fn told(invalid: Invalid<f32>) -> Error {
+    Error::from(invalid)
 }
 
 fn machine(design: &Design) -> Outcome<Machine> {
