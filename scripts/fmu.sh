@@ -9,3 +9,12 @@ folder=target/fmu
 [ -x "$folder/venv/bin/python" ] || python3 -m venv "$folder/venv"
 "$folder/venv/bin/pip" install -q --disable-pip-version-check -r bindings/fmu/tests/requirements.txt
 "$folder/venv/bin/python" -m pytest -q bindings/fmu/tests
+
+if command -v valgrind >/dev/null; then
+  instances="$(cargo test --quiet -p fmu --test instances --no-run --message-format=json |
+    sed -n 's/.*"executable":"\([^"]*instances[^"]*\)".*/\1/p')"
+  TWINROTOR_INSTANCES=100 valgrind --quiet --leak-check=full --show-leak-kinds=definite \
+    --errors-for-leak-kinds=definite --error-exitcode=9 "$instances"
+else
+  echo "valgrind is not installed: leaks are not looked for"
+fi

@@ -11,5 +11,5 @@ CARGO_TARGET_DIR="$PWD/target" "$folder/venv/bin/pip" install -q --disable-pip-v
 "$folder/venv/bin/python" -c 'import twinrotor'
 "$folder/venv/bin/ruff" format --check --quiet .
 "$folder/venv/bin/ruff" check --quiet .
-"$folder/venv/bin/python" -m mypy --strict tests examples python/twinrotor
+"$folder/venv/bin/python" -m mypy --strict tests examples benches python/twinrotor
 "$folder/venv/bin/python" -m pytest -q tests

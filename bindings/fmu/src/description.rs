@@ -40,7 +40,7 @@ pub fn description(design: &Design) -> String {
   generationTool="Twinrotor {}" variableNamingConvention="structured" numberOfEventIndicators="0"
   description="A two-rotor laboratory helicopter; a step is a multiple of 1 ms, inputs are held during it">
   <CoSimulation modelIdentifier="{IDENTIFIER}" canHandleVariableCommunicationStepSize="true"
-    canGetAndSetFMUstate="true" canSerializeFMUstate="false"/>
+    canGetAndSetFMUstate="true" canSerializeFMUstate="true"/>
   <UnitDefinitions>
 "#,
         escaped(&name),
@@ -80,7 +80,7 @@ fn scalar(xml: &mut String, reference: usize, variable: &Variable) {
     let (causality, variability, initial) = match causality {
         Causality::Input => ("input", "continuous", ""),
         Causality::Output => ("output", "continuous", r#" initial="calculated""#),
-        Causality::Parameter => ("parameter", "fixed", r#" initial="exact""#),
+        Causality::Parameter => ("parameter", "tunable", r#" initial="exact""#),
     };
     let _ = write!(
         xml,

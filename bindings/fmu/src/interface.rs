@@ -329,6 +329,74 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(instance: *mut c_void, state: *mut *mu
     unsafe { with(instance, act) }
 }
 
+/// A state that `fmi2GetFMUstate` gave, as bytes.
+unsafe fn bytes_of(state: *mut c_void) -> Result<Vec<u8>, (Status, String)> {
+    // SAFETY: what `fmi2GetFMUstate` gave, by the standard's contract.
+    let state = unsafe { state.cast::<Model>().as_ref() };
+    Ok(state.ok_or((ERROR, "the state is a null pointer".to_owned()))?.to_bytes())
+}
+
+/// See FMI 2.0.4, 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    instance: *mut c_void,
+    state: *mut c_void,
+    size: *mut usize,
+) -> Status {
+    let act = |_: &mut Instance| {
+        // SAFETY: a state, and a place for a number, by the standard's contract.
+        unsafe { size.write(bytes_of(state)?.len()) };
+        Ok(())
+    };
+    // SAFETY: see `with`.
+    unsafe { with(instance, act) }
+}
+
+/// See FMI 2.0.4, 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    instance: *mut c_void,
+    state: *mut c_void,
+    place: *mut c_char,
+    size: usize,
+) -> Status {
+    let act = |_: &mut Instance| {
+        // SAFETY: a state, by the standard's contract.
+        let bytes = unsafe { bytes_of(state)? };
+        if bytes.len() > size {
+            return Err(failed(&Error::invalid("size", size, format!("at least {}", bytes.len()))));
+        }
+        // SAFETY: an array of `size`, by the standard's contract.
+        unsafe { place.cast::<u8>().copy_from_nonoverlapping(bytes.as_ptr(), bytes.len()) };
+        Ok(())
+    };
+    // SAFETY: see `with`.
+    unsafe { with(instance, act) }
+}
+
+/// See FMI 2.0.4, 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    instance: *mut c_void,
+    place: *const c_char,
+    size: usize,
+    state: *mut *mut c_void,
+) -> Status {
+    let act = |instance: &mut Instance| {
+        if place.is_null() {
+            return Err((ERROR, "the serialized state is a null pointer".to_owned()));
+        }
+        // SAFETY: an array of `size`, by the standard's contract.
+        let bytes = unsafe { std::slice::from_raw_parts(place.cast::<u8>(), size) };
+        let model = instance.fresh.from_bytes(bytes).map_err(|error| failed(&error))?;
+        // SAFETY: a place for a pointer, by the standard's contract.
+        unsafe { state.write(Box::into_raw(Box::new(model)).cast()) };
+        Ok(())
+    };
+    // SAFETY: see `with`.
+    unsafe { with(instance, act) }
+}
+
 /// See FMI 2.0.4, 4.2.2: a multiple of a tick, from where the unit stands.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(instance: *mut c_void, from: f64, size: f64, _no_set: c_int) -> Status {
@@ -337,7 +405,7 @@ pub unsafe extern "C" fn fmi2DoStep(instance: *mut c_void, from: f64, size: f64,
 }
 
 /// Functions that a unit must have and that this one has nothing to say in: no numbers but real ones, no
-/// derivatives, no steps that are pending, no states as bytes.
+/// derivatives, no steps that are pending.
 macro_rules! none_of {
     ($($name:ident($($argument:ident: $type:ty),*) -> $status:expr;)+) => {$(
         #[doc = "See FMI 2.0.4: a unit has none of it."]
@@ -382,9 +450,6 @@ empty! {
 }
 
 none_of! {
-    fmi2SerializedFMUstateSize(state: *mut c_void, size: *mut usize) -> ERROR;
-    fmi2SerializeFMUstate(state: *mut c_void, bytes: *mut c_char, size: usize) -> ERROR;
-    fmi2DeSerializeFMUstate(bytes: *const c_char, size: usize, state: *mut *mut c_void) -> ERROR;
     fmi2GetDirectionalDerivative(
         unknown: *const u32, unknowns: usize, known: *const u32, knowns: usize, seed: *const f64,
         values: *mut f64

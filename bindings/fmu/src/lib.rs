@@ -5,8 +5,10 @@
 
 mod description;
 mod design;
+mod history;
 pub mod interface;
 mod model;
+mod tuning;
 mod variables;
 
 pub use description::description;

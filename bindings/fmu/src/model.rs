@@ -1,23 +1,28 @@
 //! What a unit holds, and a tick of it.
 
 use crate::design::{Design, What};
+use crate::history::{Course, Held, INPUTS, Tuned};
+use crate::tuning::{Asked, Tuning};
 use crate::variables::{Place, Variable, variables};
 use std::sync::Arc;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::Bench;
+use twinrotor::parameters::Parameters;
 use twinrotor::plant::State;
+use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::ArmState;
+use twinrotor::trial::Attempt;
+use twinrotor::validate::Invalid;
 use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, ReadyBoard};
 use twinrotor_sim::flight::{self, Fidelity, Plan};
+use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_sim::{Error, Outcome};
 
 /// The simulation's own draw of where between two counts the encoders begin: that of `--seed 1`.
 const SEED: u64 = 1;
-/// Inputs that any unit has at most.
-const INPUTS: usize = 5;
 
 /// What is stepped.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +36,8 @@ enum Machine {
 /// A unit at work. Its copies go on on their own: what a master takes and sets back.
 #[derive(Debug, Clone)]
 pub struct Model {
+    /// Of the design that it was made of, before anybody set a parameter.
+    guid: Arc<str>,
     design: Arc<Design>,
     variables: Arc<Vec<Variable>>,
     machine: Machine,
@@ -39,6 +46,12 @@ pub struct Model {
     volts: PerMotor<f32>,
     ticks: u64,
     begun: bool,
+    /// Copied where a state is taken: a few numbers for each change of the inputs.
+    held: Vec<Held>,
+    tuned: Vec<Tuned>,
+    tuning: Tuning,
+    /// Of its board.
+    parameters: Arc<Parameters>,
 }
 
 impl Model {
@@ -56,7 +69,9 @@ impl Model {
             }
         }
         let machine = machine(&design)?;
+        let (controller, parameters) = (design.gains.controller, parameters(&design));
         Ok(Self {
+            guid: design.guid().into(),
             design: Arc::new(design),
             variables: Arc::new(all),
             machine,
@@ -64,6 +79,10 @@ impl Model {
             volts: PerMotor::zero(),
             ticks: 0,
             begun: false,
+            held: Vec::new(),
+            tuned: Vec::new(),
+            tuning: Tuning::new(controller),
+            parameters,
         })
     }
 
@@ -78,7 +97,7 @@ impl Model {
         self.ticks as f64 * SAMPLE_TIME
     }
 
-    /// The simulation begins: parameters stay as they are from now on.
+    /// The simulation begins: a parameter that is set from now on is a trial.
     pub fn begin(&mut self) {
         self.begun = true;
     }
@@ -92,11 +111,12 @@ impl Model {
         Ok(match self.variable(reference)?.place {
             Place::Input(k) => self.inputs[k],
             Place::Output(of) => of(self),
-            Place::Setting(field) => self.design.gains.controller.get(field.name).unwrap_or_default(),
+            Place::Setting(field) => self.tuning.controller().get(field.name).unwrap_or_default(),
         })
     }
 
-    /// Sets an input, or a parameter before the simulation begins.
+    /// Sets an input or a parameter. One that is set after the simulation has begun is tried in flight: what
+    /// was set at one instant together. If the board takes it back, the parameter is again what it was.
     ///
     /// # Errors
     ///
@@ -113,18 +133,30 @@ impl Model {
                 Ok(())
             }
             Place::Output(_) => Err(Error::invalid(&variable.name, value, "reading: it is an output")),
-            Place::Setting(_) if self.begun => {
-                Err(Error::invalid(&variable.name, value, "setting it before the simulation begins"))
-            }
             Place::Setting(field) => {
-                let mut design = (*self.design).clone();
-                design.gains.controller.set(field.name, value)?;
-                design.gains.controller.validate()?;
-                self.machine = machine(&design)?;
-                self.design = Arc::new(design);
+                let mut controller = *self.tuning.controller();
+                controller.set(field.name, value)?;
+                controller.validate()?;
+                if self.begun {
+                    Attempt::new(controller.map(f32::from_f64)).validate().map_err(told)?;
+                    self.tuning.want(controller);
+                    self.tuned.push(Tuned { tick: self.ticks, reference, value });
+                } else {
+                    let mut design = (*self.design).clone();
+                    design.gains.controller = controller;
+                    self.become_design(design)?;
+                }
                 Ok(())
             }
         }
+    }
+
+    fn become_design(&mut self, design: Design) -> Outcome<()> {
+        self.machine = machine(&design)?;
+        self.tuning = Tuning::new(design.gains.controller);
+        self.parameters = parameters(&design);
+        self.design = Arc::new(design);
+        Ok(())
     }
 
     fn variable(&self, reference: u32) -> Outcome<&Variable> {
@@ -148,15 +180,81 @@ impl Model {
             return Err(Error::invalid("communication step size", size, "a multiple of 0.001 s"));
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 1 to 1e9")]
-        for _ in 0..ticks as u64 {
+        self.advance(ticks as u64);
+        Ok(())
+    }
+
+    /// So many ticks with the inputs as they are.
+    fn advance(&mut self, ticks: u64) {
+        let bits = |inputs: [f64; INPUTS]| inputs.map(f64::to_bits);
+        if self.held.last().is_none_or(|last| bits(last.inputs) != bits(self.inputs)) {
+            self.held.push(Held { tick: self.ticks, inputs: self.inputs });
+        }
+        for _ in 0..ticks {
             self.tick();
         }
-        Ok(())
+    }
+
+    /// All that it takes to be here again: what it was told, which grows by 48 bytes with each change of an
+    /// input.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let gains = GainsFile { controller: self.design.gains.controller, provenance: None };
+        Course {
+            guid: self.guid.to_string(),
+            gains: gains.to_toml(),
+            begun: self.begun,
+            ticks: self.ticks,
+            inputs: self.inputs,
+            held: self.held.clone(),
+            tuned: self.tuned.clone(),
+        }
+        .to_bytes()
+    }
+
+    /// The unit where [`Model::to_bytes`] was asked, from this one as it was made: flown there once more,
+    /// which takes some .3 us a tick.
+    ///
+    /// # Errors
+    ///
+    /// If the bytes are no state of this unit.
+    pub fn from_bytes(&self, bytes: &[u8]) -> Outcome<Self> {
+        let course = Course::from_bytes(bytes)?;
+        if course.guid != *self.guid {
+            return Err(Error::invalid(
+                "serialized state",
+                course.guid,
+                format!("{}, this unit's", self.guid),
+            ));
+        }
+        let mut design = (*self.design).clone();
+        let controller = GainsFile::parse("the state's gains", &course.gains)?.controller;
+        if controller != design.gains.controller {
+            design.gains = GainsFile { controller, provenance: None };
+        }
+        let fresh = Self { ticks: 0, held: Vec::new(), tuned: Vec::new(), ..self.clone() };
+        let mut there = Self { volts: PerMotor::zero(), begun: course.begun, ..fresh };
+        there.become_design(design)?;
+        let mut tuned = course.tuned.iter().peekable();
+        let ends = course.held.iter().skip(1).map(|next| next.tick).chain([course.ticks]);
+        for (held, end) in course.held.iter().zip(ends) {
+            there.inputs = held.inputs;
+            while let Some(next) = tuned.next_if(|tuned| tuned.tick < end) {
+                there.advance(next.tick.saturating_sub(there.ticks));
+                there.set(next.reference, next.value)?;
+            }
+            there.advance(end - there.ticks);
+        }
+        for last in tuned {
+            there.set(last.reference, last.value)?;
+        }
+        there.inputs = course.inputs;
+        Ok(there)
     }
 
     fn tick(&mut self) {
         #[expect(clippy::cast_possible_truncation, reason = "finite, and f32 is what flies")]
         let [a, b, c, d, e] = self.inputs.map(|x| x as f32);
+        let asked = self.asked();
         match &mut self.machine {
             Machine::Plant(bench) => {
                 bench.disturbance = PerMotor::new(c, d);
@@ -164,16 +262,37 @@ impl Model {
             }
             Machine::Controller(board) => {
                 let counters = PerAxis::new(self.inputs[2], self.inputs[3]).map(counter);
-                let outputs = board.tick(counters, e, &Reference::at_rest(PerAxis::new(a, b)));
+                let outputs = match &asked {
+                    Some((command, trial)) => board.tick_with(counters, e, command, trial.as_ref()),
+                    None => board.tick(counters, e, &Reference::at_rest(PerAxis::new(a, b))),
+                };
                 let given = board.control().frame().volts;
                 self.volts = if outputs.enable { given } else { PerMotor::zero() };
             }
             Machine::Loop(both) => {
-                let setpoint = Reference::at_rest(PerAxis::new(a, b));
-                self.volts = both.tick(&setpoint, PerMotor::new(c, d)).applied;
+                let disturbance = PerMotor::new(c, d);
+                self.volts = match &asked {
+                    Some((command, trial)) => {
+                        let (counters, supply) = (both.bench.counters(), both.bench.supply);
+                        let outputs = both.board.tick_with(counters, supply, command, trial.as_ref());
+                        both.bench.disturbance = disturbance;
+                        both.bench.tick(outputs.duty, outputs.enable)
+                    }
+                    None => both.tick(&Reference::at_rest(PerAxis::new(a, b)), disturbance).applied,
+                };
             }
         }
         self.ticks += 1;
+    }
+
+    /// What the operator of its board asks for in the tick that comes, beside flying on.
+    fn asked(&mut self) -> Option<Asked> {
+        let control = match &self.machine {
+            Machine::Plant(_) => return None,
+            Machine::Controller(board) => board.control(),
+            Machine::Loop(both) => both.board.control(),
+        };
+        self.tuning.ask(control, &self.parameters)
     }
 
     fn bench(&self) -> Option<&Bench<f32>> {
@@ -220,6 +339,17 @@ fn lookup(variables: &[Variable], reference: u32) -> Outcome<&Variable> {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counters wrap")]
 fn counter(count: f64) -> u32 {
     count.rem_euclid(65_536.0) as u32
+}
+
+/// What a board of it is made with, as far as a trial asks.
+fn parameters(design: &Design) -> Arc<Parameters> {
+    let rig = &design.named.rig;
+    Arc::new(Parameters::new(rig, &design.gains.settings(rig)))
+}
+
+/// What the core says of a value, as everywhere here.
+fn told(invalid: Invalid<f32>) -> Error {
+    Error::from(invalid)
 }
 
 fn machine(design: &Design) -> Outcome<Machine> {

@@ -23,7 +23,7 @@ mod _native {
     #[pymodule_export]
     use crate::board::{Bench, ControlLoop, SimulatedBoard};
     #[pymodule_export]
-    use crate::comparison::{compare, draw};
+    use crate::comparison::{compare, compare_chunk, compare_chunks, draw};
     #[pymodule_export]
     use crate::flight::simulate;
     #[pymodule_export]
@@ -37,7 +37,7 @@ mod _native {
     #[pymodule_export]
     use crate::replay::replay;
     #[pymodule_export]
-    use crate::search::{tune, tune_robust};
+    use crate::search::{robust_costs, tune, tune_robust};
     #[pymodule_export]
     use crate::settings::settings;
 }

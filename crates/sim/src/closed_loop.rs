@@ -25,6 +25,7 @@ use twinrotor::reference::Reference;
 use twinrotor::rig_port::RigPort;
 use twinrotor::sequence::{Numbered, Sequence};
 use twinrotor::supervisor::{ArmState, Request};
+use twinrotor::trial::Candidate;
 
 /// What happened in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -258,6 +259,18 @@ impl ReadyBoard {
             setpoint = Some(OperatorCommand::Request(Request::Arm));
         }
         self.step(counters, supply, setpoint)
+    }
+
+    /// A tick in which the operator asks for something else than a setpoint, such as a controller to be
+    /// tried.
+    pub fn tick_with(
+        &mut self,
+        counters: PerAxis<u32>,
+        supply: f32,
+        command: &Numbered<OperatorCommand>,
+        trial: Option<&Candidate>,
+    ) -> Outputs {
+        self.0.tick(&Inputs { command: Some(command), trial, ..Inputs::sound(counters, supply) })
     }
 
     /// What flies.

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 Array: TypeAlias = npt.NDArray[np.float64]
+Candidates: TypeAlias = list[tuple[list[float], float]]
 Rows: TypeAlias = npt.NDArray[np.float32]
 Progress: TypeAlias = Callable[[int, int, float], object]
 Log: TypeAlias = tuple[str, list[tuple[str, Array]] | None]
@@ -50,9 +51,28 @@ def tune_robust(
     population: int | None,
     iterations: int,
     progress: Progress | None,
+    evaluate: Callable[[Candidates], list[float]] | None,
+    keep: Callable[[bytes], object] | None,
+    resume: bytes | None,
 ) -> tuple[str, str]: ...
+def robust_costs(
+    preset: str,
+    controller: str,
+    start: str | None,
+    parameters: list[str],
+    at_most: list[str],
+    plants: int,
+    seed: int,
+    candidates: Candidates,
+) -> list[float]: ...
 def compare(
     preset: str, controllers: list[tuple[str, str | None]], plants: int, seed: int
+) -> list[tuple[Array, str]]: ...
+def compare_chunk(
+    preset: str, controllers: list[tuple[str, str | None]], plants: int, seed: int, first: int, end: int
+) -> bytes: ...
+def compare_chunks(
+    preset: str, controllers: list[tuple[str, str | None]], plants: int, seed: int, chunks: list[bytes]
 ) -> list[tuple[Array, str]]: ...
 def draw(preset: str, count: int, seed: int) -> list[str]: ...
 def linearize(preset: str, pitch: float) -> tuple[Array, Array, Array, Array, tuple[float, float]]: ...

@@ -31,7 +31,7 @@ class Tuned:
     history: list[tuple[int, float]] = field(repr=False)
 
 
-def _tuned(found: tuple[str, str]) -> Tuned:
+def tuned(found: tuple[str, str]) -> Tuned:
     toml, text = found
     course = json.loads(text)
     history = [(int(n), float(cost)) for n, cost in course["history"]]
@@ -58,7 +58,7 @@ def tune(
     :param progress: called after every generation with evaluations, budget and best cost.
     :raises ValueError: if an argument is not what it may be.
     """
-    return _tuned(
+    return tuned(
         _native.tune(
             rig_text(preset),
             objective,
@@ -98,7 +98,7 @@ def tune_robust(
     :raises ValueError: if an argument is not what it may be.
     """
     limits = [f"{name}={most}" for name, most in (at_most or {}).items()]
-    return _tuned(
+    return tuned(
         _native.tune_robust(
             rig_text(preset),
             controller,
@@ -113,6 +113,9 @@ def tune_robust(
             population,
             iterations,
             progress,
+            None,
+            None,
+            None,
         )
     )
 
@@ -142,7 +145,13 @@ def compare(
     :raises ValueError: if an argument is not what it may be.
     """
     named = [(name, gains_text(gains)) for name, gains in controllers.items()]
-    scores = _native.compare(rig_text(preset), named, plants, seed)
+    return comparisons(named, _native.compare(rig_text(preset), named, plants, seed))
+
+
+def comparisons(
+    named: list[tuple[str, str | None]], scores: list[tuple[npt.NDArray[np.float64], str]]
+) -> dict[str, Comparison]:
+    """By the controllers' names."""
     return {
         name: Comparison(costs, json.loads(row))
         for (name, _), (costs, row) in zip(named, scores, strict=True)
