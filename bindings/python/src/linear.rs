@@ -44,9 +44,9 @@ fn columns(plant: &PlantParameters<f64>, volts: PerMotor<f64>, tilt: f64) -> [Co
     ]
 }
 
-/// Eqs (1)-(2) with lag, reaction and gyroscopic torque of the rotors, near rest at `pitch` \[rad\]. States: θ, ψ, θ̇,
-/// ψ̇, and the volts in effect of each motor that lags; inputs: the volts applied; outputs: θ, ψ. Coulomb
-/// friction, which has no slope, is left out.
+/// Eqs (1)-(2) with lag, reaction and gyroscopic torque of the rotors, near rest at `pitch` \[rad\]. States:
+/// θ, ψ, θ̇, ψ̇, and the volts in effect of each motor that lags; inputs: the volts applied; outputs: θ, ψ.
+/// Coulomb friction, which has no slope, is left out.
 #[pyfunction]
 #[pyo3(signature = (preset, pitch))]
 pub(crate) fn linearize<'py>(py: Python<'py>, preset: &str, pitch: f64) -> PyResult<Linear<'py>> {

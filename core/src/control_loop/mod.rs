@@ -1,5 +1,6 @@
 //! The tick of the board, as a list of verbs; the arithmetic is in the steps it calls.
 
+mod commands;
 mod exchange;
 mod status;
 mod trying;
@@ -9,18 +10,17 @@ pub use status::Status;
 
 use crate::approach::Approach;
 use crate::axes::{PerAxis, PerMotor};
-use crate::bench::Injection;
 use crate::drive::Drive;
 use crate::encoder::{CounterWidth, Encoder};
 use crate::estimator::{Belief, Estimate};
-use crate::first_power::{FirstPowerCheck, REST_TICKS, Verdict};
+use crate::first_power::{FirstPowerCheck, Verdict};
 use crate::monitor::{Monitor, Observation};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
 use crate::plant::State;
 use crate::real::Real;
 use crate::reference::Reference;
-use crate::sequence::{Numbered, Sequence};
+use crate::sequence::Sequence;
 use crate::supervisor::{ArmState, Condition, Conditions, Request, Supervisor};
 use crate::telemetry::{Frame, Kept, Taken, TrialPhase};
 use crate::trial::{Accepted, NOTE_EVERY, Trial};
@@ -221,16 +221,6 @@ impl ControlLoop {
         Outputs { duty, enable: self.state().motors_may_turn(), verdict: self.verdict }
     }
 
-    /// The command that counts in this tick: none where the operator disarms.
-    #[inline(always)]
-    fn take<'a>(&mut self, inputs: &Inputs<'a>) -> Option<&'a OperatorCommand> {
-        self.taken.ago = self.taken.ago.saturating_add(1);
-        let Numbered { sequence, message } = inputs.command.filter(|_| !inputs.disarm)?;
-        cold_path();
-        self.taken = Taken { sequence: *sequence, ago: 0 };
-        Some(message)
-    }
-
     fn read_encoders(&mut self, counters: PerAxis<u32>) -> (PerAxis<f32>, PerAxis<i32>) {
         let before = self.encoders.map(|e| e.position());
         let measured = PerAxis {
@@ -323,55 +313,6 @@ impl ControlLoop {
             _ => {}
         }
         true
-    }
-
-    #[inline(always)]
-    fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
-        if let Some(command) = command {
-            cold_path();
-            self.follow_command(command);
-        }
-        if self.is_armed() {
-            if self.monitor.has_just_lost_link() {
-                cold_path();
-                self.approach.lose_link();
-                if let Some(trial) = &mut self.trial {
-                    trial.take_back();
-                }
-            }
-            if !self.approach.rests() {
-                cold_path();
-                // In parts: a whole one would have its place in memory, and every tick would go by it.
-                let Reference { angle, rate, accel } = self.approach.step();
-                return Reference { angle, rate, accel };
-            }
-        }
-        self.approach.idle()
-    }
-
-    #[inline(never)]
-    fn follow_command(&mut self, command: &OperatorCommand) {
-        match command {
-            OperatorCommand::Setpoint(setpoint) => self.approach.aim(*setpoint),
-            OperatorCommand::Zero
-                if self.still >= REST_TICKS && !self.supervisor.state().motors_may_turn() =>
-            {
-                self.zero();
-            }
-            // A rig that is laid down anew: what the motors did before has no part in it.
-            OperatorCommand::Inject(Injection::Rest) if !self.supervisor.state().motors_may_turn() => {
-                self.accepted.pipeline.forget_motion();
-            }
-            _ => {}
-        }
-    }
-
-    /// Takes where the rig lies for its rest pose.
-    fn zero(&mut self) {
-        self.encoders.pitch.set_position(self.rest_counts.pitch);
-        self.encoders.yaw.set_position(self.rest_counts.yaw);
-        self.accepted.pipeline.restart(self.encoders.map(|e| e.angle()));
-        self.zeroed = true;
     }
 
     /// What the motors are to do after a change of state, with which the estimator has started afresh.

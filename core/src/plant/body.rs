@@ -30,8 +30,8 @@ impl<R: Real> State<R> {
     }
 }
 
-/// The constants of eqs (1)-(2), combined as the equations use them, for a body that may be more than a point:
-/// yaw has the inertia I_yy + m L² cos² θ - J sin² θ, J = `tilting_inertia`.
+/// The constants of eqs (1)-(2), combined as the equations use them, for a body that may be more than a
+/// point: yaw has the inertia I_yy + m L² cos² θ - J sin² θ, J = `tilting_inertia`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBody<R> {
     /// \[N m\] m g L.

@@ -1,4 +1,5 @@
-//! The helicopter: eqs (1)-(2), and what a body that is no point adds, integrated by the classical fourth-order Runge-Kutta method with held volts.
+//! The helicopter: eqs (1)-(2), and what a body that is no point adds, integrated by the classical
+//! fourth-order Runge-Kutta method with held volts.
 //!
 //! The simulator and the virtual board fly this; the law never sees it. A step is one tick of the loop or a
 //! whole fraction of it.

@@ -107,13 +107,14 @@ pub struct PlantParameters<R> {
     pub rotor_reaction: PerMotor<R>,
     /// \[N m\] Coulomb friction at speed. Not in the paper.
     pub coulomb_friction: PerAxis<R>,
-    /// \[kg m²\] By how much less inertia yaw has with the body upright than with it level, J_zz - J_xx of the
-    /// body; less than I_yy. Not in the paper, whose body is a point.
+    /// \[kg m²\] By how much less inertia yaw has with the body upright than with it level: J_zz - J_xx of
+    /// the body, less than I_yy. Not in the paper, whose body is a point.
     #[serde(default)]
     pub tilting_inertia: R,
-    /// \[N m s/V\] Angular momentum of the main rotor along its axis, which tilts with the body, for each volt
-    /// in effect. A rotor that gains it turns the body the other way: `rotor_reaction.main` is minus this on
-    /// a rig that has both. (The tail rotor's lies along the pitch axis, which never tilts.) Not in the paper.
+    /// \[N m s/V\] Angular momentum of the main rotor along its axis, which tilts with the body, for each
+    /// volt in effect. A rotor that gains it turns the body the other way: `rotor_reaction.main` is minus
+    /// this on a rig that has both. (The tail rotor's lies along the pitch axis, which never tilts.) Not in
+    /// the paper.
     #[serde(default)]
     pub rotor_momentum: R,
     /// \[-\] 1 where thrust and reaction turn yaw by cos θ of what they do on a level body, as rotors do that

@@ -120,13 +120,13 @@ pub const PLANT: &[Plausible<PlantParameters<f64>>] = plausible! {
         "dry friction about yaw",
         |plant| Some(plant.coulomb_friction.yaw);
     "tilting_inertia": -10.0..=10.0 "kg m²" or 1e-4 "kg cm²" or 1e-6 "g m² or kg mm²",
-        "by how much less inertia yaw has with the body upright, J_zz - J_xx of the body, below inertia.yaw; may be left out (0)",
+        "how much less inertia yaw has with the body upright, below inertia.yaw; 0 if left out",
         |plant| Some(plant.tilting_inertia);
     "rotor_momentum": -1.0..=1.0 "N m s/V" or 1e-3 "mN m s/V",
-        "angular momentum of the main rotor for each volt in effect; minus rotor_reaction.main where both are known; may be left out (0)",
+        "angular momentum of the main rotor for each volt in effect; 0 if left out",
         |plant| Some(plant.rotor_momentum);
     "tilting_thrust": 0.0..=1.0 "(no unit)",
-        "1 where thrust and reaction turn yaw by cos θ of what they do on a level body, 0 where by all of it; may be left out (0)",
+        "1: rotors turn yaw by cos θ of what they do on a level body; 0, if left out: by all of it",
         |plant| Some(plant.tilting_thrust);
 };
 

@@ -32,8 +32,8 @@ pub trait Thrust<R: Real> {
     /// They push as rotors of these constants do; what they do stays, and so do their lags.
     fn become_plant(&mut self, parameters: &PlantParameters<R>);
 
-    /// Their effect over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts
-    /// in effect, after the lag.
+    /// Their effect over a step during which `volts` are applied and `disturbance` \[V\] is added to the
+    /// volts in effect, after the lag.
     fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> EffectOverStep<R>;
 }
 

@@ -2,9 +2,10 @@
 //!
 //! # Equations
 //!
-//! The main rotor's axis is the body's vertical one, so it turns in space by ω = Ω + ψ̇ cos θ; the tail rotor's
-//! lies along the pitch axis, so it turns by Ω + θ̇. With H = J Ω, the main rotor's angular momentum, Lagrange's
-//! equations (Goldstein, *Classical Mechanics*, 2nd ed., 1.4) of the term H ψ̇ cos θ in the kinetic energy give
+//! The main rotor's axis is the body's vertical one, so it turns in space by Ω + ψ̇ cos θ; the tail rotor's
+//! lies along the pitch axis, so it turns by Ω + θ̇. With H = J Ω, the main rotor's angular momentum,
+//! Lagrange's equations (Goldstein, *Classical Mechanics*, 2nd ed., 1.4) of the term H ψ̇ cos θ in the
+//! kinetic energy give
 //!
 //! ```text
 //! on pitch:  -H sin θ ψ̇

@@ -26,7 +26,8 @@ fn last(flight: &Flight) -> State<f64> {
 
 /// All that can befall a rig at once, mildly.
 const MISERY: &str = "[hardware]\nnoise_counts = [1, 1]\nbacklash_deg = [0.3, 0.2]\ndead_zone = [0.2, 0.1]\n\
-                      delay = 0.004\njitter = 0.003\ncable_stiffness = 0.001\ncable_free_deg = 20\n[start]\nangle_deg = [2, -3]\nrate_deg = [5, -8]\nrotor_volts = [3, 1]\n\
+                      delay = 0.004\njitter = 0.003\ncable_stiffness = 0.001\ncable_free_deg = 20\n\
+                      [start]\nangle_deg = [2, -3]\nrate_deg = [5, -8]\nrotor_volts = [3, 1]\n\
                       [[events.gust]]\nvolts = [1.5, -1]\nwindow = [1, 3]\n[[events.sine]]\n\
                       torque = [0.001, 0.0005]\nfrequency = 4\nwindow = [2, 5]\n[[events.weight]]\n\
                       mass = 0.001\narm = 0.15\nwindow = [3, 6]\n[[events.thrust]]\nleft = [0.95, 0.9]\n\
