@@ -7,7 +7,7 @@ use crate::figures;
 use crate::files;
 use rayon::prelude::*;
 use twinrotor::plant::presets::{self, PAPER, Rig};
-use twinrotor_plot::Figure;
+use twinrotor_plot::{Figure, Line, Stroke};
 use twinrotor_plot::flight::flight as flight_figure;
 use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
@@ -26,6 +26,19 @@ fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure 
     };
     let whole = flight_figure(title, &shown, PAPER.volts_limit);
     Figure { panels: wanted.iter().map(|k| whole.panels[*k].clone()).collect(), ..whole }
+}
+
+/// The same with what the paper says as rings: where it says so, and in its words.
+fn marked(mut figure: Figure, panel: usize, marks: &[(f64, f64, &str)]) -> Figure {
+    let panel = &mut figure.panels[panel];
+    panel.lines.push(Line {
+        name: "the paper says".to_owned(),
+        points: marks.iter().map(|(x, y, _)| (*x, *y)).collect(),
+        colour: 6,
+        stroke: Stroke::Rings,
+    });
+    panel.labels.extend(marks.iter().map(|(x, y, words)| (*x, *y, format!("  {words}"))));
+    figure
 }
 
 fn picture(name: &str, caption: &str, figure: Figure) -> Picture {
@@ -113,8 +126,12 @@ fn table_5(flown: &Flight) -> Section {
         measured: None,
         pictures: vec![picture(
             "fig-4a-responses",
-            "Fig. 4a: pitch and yaw step responses.",
-            panels("Fig. 4a: step responses", flown, 3.0, &[0]),
+            "Fig. 4a: pitch and yaw step responses, with Table 5's settling times as rings.",
+            marked(
+                panels("Fig. 4a: step responses", flown, 3.0, &[0]),
+                0,
+                &[(0.9, 15.0, "settled, .9 s"), (1.4, 40.0, "settled, 1.4 s")],
+            ),
         )],
     }
 }
@@ -171,8 +188,12 @@ fn fig_5(flown: &Flight) -> Outcome<Section> {
         measured: None,
         pictures: vec![picture(
             "fig-5-volts-errors",
-            "Fig. 5: input voltages with their limits, and squared errors.",
-            panels("Fig. 5: volts and squared errors of the step", flown, 2.0, &[1, 2]),
+            "Fig. 5: input voltages with their limits, and squared errors; as a ring, when the paper's are 0.",
+            marked(
+                panels("Fig. 5: volts and squared errors of the step", flown, 2.0, &[1, 2]),
+                1,
+                &[(0.8, 0.0, "both 0, .8 s")],
+            ),
         )],
     })
 }
