@@ -99,3 +99,33 @@ fn a_suggested_flight_narrows_what_was_known_worst() {
     };
     assert!(width(&after) < 0.8 * width(&before), "{constant}: {} to {}", width(&before), width(&after));
 }
+
+/// docs/identify.md's first log is open loop: whatever the rig does, the volts are the same.
+#[test]
+fn the_first_log_of_a_rig_without_gains_is_open_loop() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let document = fs::read_to_string(format!("{root}/docs/identify.md")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["open-loop.toml", "first-log.toml"] {
+        let (_, text) = document.split_once(&format!("cat > {name} <<'END'\n")).expect("it is there");
+        fs::write(folder.path().join(name), text.split_once("END\n").unwrap().0).unwrap();
+    }
+    let columns = |rig: &str| {
+        let args = ["simulate", "--preset", "aero2", "--true-rig", rig, "--fidelity", "rig", "--gains"];
+        let files = ["open-loop.toml", "--scenario", "first-log.toml", "--csv", "flown.csv"];
+        let output = host_sim(folder.path(), &[&args[..], &files[..]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let flown = fs::read_to_string(folder.path().join("flown.csv")).unwrap();
+        let mut lines = flown.lines();
+        let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let place = ["theta", "psi", "v_main", "v_tail"].map(|name| names.iter().position(|n| *n == name));
+        let row = |line: &str| place.map(|k| line.split(',').nth(k.unwrap()).unwrap().parse::<f64>().unwrap());
+        lines.map(row).collect::<Vec<_>>()
+    };
+    let (one, other) = (columns("aero2"), columns(&format!("{root}/rigs/student-aero2.toml")));
+    assert!(one.iter().zip(&other).all(|(a, b)| a[2..] == b[2..]), "the volts");
+    let apart = |k: usize| one.iter().zip(&other).map(|(a, b)| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+    assert!(apart(0) > 0.02 && apart(1) > 0.1, "two rigs: {} {}", apart(0), apart(1));
+    let most = |k: usize| one.iter().map(|row| row[k].abs()).fold(0.0, f64::max);
+    assert!(most(2) < 8.0 && most(3) < 10.0 && most(2) > 4.0, "{} {}", most(2), most(3));
+}
