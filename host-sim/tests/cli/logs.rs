@@ -2,6 +2,7 @@
 
 use super::{host_sim, json};
 use serde_json::Value;
+use std::fs;
 
 /// `simulate --log` writes what encoders show, whole counts beside the true angle, in names that `identify`
 /// and `replay` read; where there are no encoders there is no log.
@@ -119,7 +120,8 @@ fn the_first_log_of_a_rig_without_gains_is_open_loop() {
         let mut lines = flown.lines();
         let names: Vec<&str> = lines.next().unwrap().split(',').collect();
         let place = ["theta", "psi", "v_main", "v_tail"].map(|name| names.iter().position(|n| *n == name));
-        let row = |line: &str| place.map(|k| line.split(',').nth(k.unwrap()).unwrap().parse::<f64>().unwrap());
+        let row =
+            |line: &str| place.map(|k| line.split(',').nth(k.unwrap()).unwrap().parse::<f64>().unwrap());
         lines.map(row).collect::<Vec<_>>()
     };
     let (one, other) = (columns("aero2"), columns(&format!("{root}/rigs/student-aero2.toml")));
