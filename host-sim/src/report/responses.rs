@@ -188,7 +188,7 @@ fn fig_5(flown: &Flight) -> Outcome<Section> {
         measured: None,
         pictures: vec![picture(
             "fig-5-volts-errors",
-            "Fig. 5: input voltages with their limits, and squared errors; as a ring, when the paper's are 0.",
+            "Fig. 5: input voltages with their limits, and squared errors; a ring where the paper's are 0.",
             marked(
                 panels("Fig. 5: volts and squared errors of the step", flown, 2.0, &[1, 2]),
                 1,

@@ -36,6 +36,9 @@ use twinrotor_tune::robust::{self, Row, Scatter, SceneRow, Score, Shard, Trial, 
 /// Most plants of a comparison.
 const MOST_PLANTS: usize = 100_000;
 
+/// What is told of all parts together, or done before there are any.
+const NOT_OF_A_PART: [&str; 5] = ["export", "plot", "report", "tune", "json"];
+
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -89,7 +92,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     report: Option<PathBuf>,
     /// Fly one part of N of the plants and write it into --out, for 'merge': I/N, such as 3/16
-    #[arg(long, value_name = "I/N", requires = "out", conflicts_with_all = ["export", "plot", "report", "tune", "json"])]
+    #[arg(long, value_name = "I/N", requires = "out", conflicts_with_all = NOT_OF_A_PART)]
     shard: Option<Shard>,
     /// File of the part
     #[arg(long, value_name = "PART", requires = "shard", help_heading = "Output")]
@@ -253,8 +256,8 @@ fn page(head: &Head, rows: &[Row], figure: Figure, folder: &Path, outputs: &mut 
         Section { measured: Some(uses), ..section("What stands around each law") },
     ];
     let text = format!(
-        "{} plants drawn around {}, none of which a controller was tuned on; constants and thrust within {} %, \
-         rotor lags within {} %. host-sim compare --preset {} --plants {} --seed {}, version {}.",
+        "{} plants drawn around {}, none of which a controller was tuned on; constants and thrust within \
+         {} %, rotor lags within {} %. host-sim compare --preset {} --plants {} --seed {}, version {}.",
         head.plants,
         head.preset,
         100.0 * head.scatter.constants,
