@@ -11,5 +11,6 @@ CARGO_TARGET_DIR="$PWD/target" "$folder/venv/bin/pip" install -q --disable-pip-v
 "$folder/venv/bin/python" -c 'import twinrotor'
 "$folder/venv/bin/ruff" format --check --quiet .
 "$folder/venv/bin/ruff" check --quiet .
-"$folder/venv/bin/python" -m mypy --strict tests examples benches python/twinrotor
+"$folder/venv/bin/python" -m mypy --strict tests examples examples/notebooks/make.py benches python/twinrotor
 "$folder/venv/bin/python" -m pytest -q tests
+"$folder/venv/bin/python" examples/notebooks/make.py --check

@@ -29,8 +29,9 @@ def test_the_boards_controller_holds_against_a_disturbance_that_plain_feedback_d
 
 def test_a_policy_is_learned_and_ranked() -> None:
     learning = example("learn_policy")
-    found = learning.rank(learning.learn(8), plants=4)
-    assert found["learned"] > found["zero volts"]
+    found = learning.rank(learning.learn(12), plants=40)
+    better = found["learned"] > found["zero volts"]
+    assert better.mean() > 0.9, "on nearly every plant that it has not seen"
 
 
 def test_a_rig_is_identified_from_its_log_and_tuned_for() -> None:
