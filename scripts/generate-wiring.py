@@ -20,7 +20,8 @@ SIGNALS = [
     (
         "pitch encoder A, B",
         ["pitch_a", "pitch_b"],
-        "{pitch_timer}, encoder mode 3: 3.3 V, pull-up inside, filtered for 3 µs",
+        "{pitch_timer}, encoder mode 3: 3.3 V, pull-up inside, filtered for 256 counts of the timer, 3 µs at "
+        "84 MHz",
     ),
     ("yaw encoder A, B", ["yaw_a", "yaw_b"], "{yaw_timer}, the same"),
     ("main motor PWM", ["main"], "TIM1 CH1, 20 kHz"),
@@ -57,7 +58,7 @@ SIGNALS = [
         ["serial_out", "serial_in"],
         "{serial}: 1,000,000 baud, 8N1, 3.3 V. On a Nucleo board this is the ST-LINK's port",
     ),
-    ("status LED", ["led"], "output, high is on"),
+    ("status LED", ["led"], "output, high is on; the Black Pill's is lit by a low level"),
 ]
 DIAGRAM = """\
             +5V   GND                                     12..30 V
@@ -120,7 +121,7 @@ def table(head, rows):
 def diagram(board):
     """Each name in brackets takes the place of as many characters as its column has."""
     cells = dict(board.wires)
-    cells["chip"] = "   STM32F4"
+    cells["chip"] = f"   {board.chip[:7].upper()}"
     cells["source"] = f"   {board.source_hz // 1_000_000} MHz"
     lines = []
     for line in DIAGRAM.splitlines():
@@ -155,7 +156,8 @@ def document():
     text = facts + "\n" + table(["signal", *names, "what it is, and what to watch"], rows)
     wirings = {}
     for board in all_boards:
-        wirings.setdefault(tuple(sorted(board.wires.items())), []).append(board)
+        drawn = (board.chip[:7], board.source_hz, *sorted(board.wires.items()))
+        wirings.setdefault(drawn, []).append(board)
     for same in wirings.values():
         names = ", ".join(f"`{b.name}`" for b in same)
         text += f"\n{names}:\n\n{diagram(same[0])}"

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # What an owner of a board without a rig does, README's "Without a rig", with the virtual board's TCP port in
-# place of the USB cable: the firmware as `cargo fw-f405-sim` has built it, written, checked, flown over all
-# scenarios, and its report.
+# place of the USB cable: the firmware as `cargo fw-BOARD-sim` has built it, nucleo-f446 or the BOARD that is
+# named, written, checked, flown over all scenarios, and its report.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release -p host-sim
 cargo build --release --ignore-rust-version --manifest-path tests/virtual-board/Cargo.toml
 virtual_board=${CARGO_TARGET_DIR:-$PWD/tests/virtual-board/target}/release/virtual-board
 host_sim=${CARGO_TARGET_DIR:-$PWD/target}/release/host-sim
-elf=${TWINROTOR_ELF:-$PWD/target/f405-sim/thumbv7em-none-eabihf/firmware/firmware}
+board=${1:-nucleo-f446}
+elf=$PWD/target/$board-sim/thumbv7em-none-eabihf/firmware/firmware
 
 folder=$(mktemp -d)
 # The board in the background ends with this script.
@@ -21,7 +22,7 @@ for _ in $(seq 300); do
 done
 [ -n "$address" ] || { echo "no board listens" >&2; exit 1; }
 
-"$host_sim" fly --port "$address" --yes --write --report "$folder/report.json"
+"$host_sim" fly --port "$address" --board "$board" --yes --write --report "$folder/report.json"
 grep -q '"port": "simulated"' "$folder/report.json"
 grep -q '"differs": null' "$folder/report.json"
 equal=$(sed -n 's/.*"equal_ticks": \([0-9]*\).*/\1/p' "$folder/report.json")
@@ -29,6 +30,6 @@ equal=$(sed -n 's/.*"equal_ticks": \([0-9]*\).*/\1/p' "$folder/report.json")
 
 # What befalls the rig ends the flight, with status 3.
 status=0
-"$host_sim" fly --port "$address" --yes --inject stuck-pitch@1 >"$folder/injected" 2>&1 || status=$?
+"$host_sim" fly --port "$address" --board "$board" --yes --inject stuck-pitch@1 >"$folder/injected" 2>&1 || status=$?
 cat "$folder/injected"
 [ "$status" = 3 ] && grep -q "the pitch encoder does not show the motion" "$folder/injected"

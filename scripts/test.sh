@@ -17,7 +17,7 @@ variant() {
   firmware --features "$1" --target-dir "target/$2"
 }
 without_a_rig() {
-  seeded "$1-sim"
+  seeded "$1-sim" ${2:+"$2-sim"}
   RUSTUP_TOOLCHAIN="$toolchain" cargo "fw-$1-sim"
 }
 stage "firmware" firmware
@@ -26,5 +26,7 @@ stage "firmware, for bootstrapped bridges" variant bootstrap bootstrap
 stage "firmware, for a debugger" variant debug debug-build
 stage "firmware, with a simulated rig" without_a_rig f405
 stage "the same for a Nucleo-F446RE" without_a_rig nucleo-f446
+stage "the same for a Nucleo-F411RE" without_a_rig nucleo-f411
+stage "the same for a Black Pill" without_a_rig black-pill nucleo-f411
 stage "tests of the firmware as a file" cargo fw-test
 stage "tests on the virtual board" cargo board-test

@@ -18,13 +18,18 @@ pub struct Board {
 pub const F405: Board = Board { name: "f405", chip: "stm32f405rg", pwm_timer_hz: 168_000_000 };
 /// STM32F4-Discovery.
 pub const F407: Board = Board { name: "f407", chip: "stm32f407vg", pwm_timer_hz: 168_000_000 };
+/// WeAct Black Pill with an STM32F411CE.
+pub const BLACK_PILL: Board = Board { name: "black-pill", chip: "stm32f411ce", pwm_timer_hz: 100_000_000 };
 /// ST Nucleo-F446RE.
 pub const NUCLEO_F446: Board = Board { name: "nucleo-f446", chip: "stm32f446re", pwm_timer_hz: 168_000_000 };
 /// ST Nucleo-F411RE.
 pub const NUCLEO_F411: Board = Board { name: "nucleo-f411", chip: "stm32f411re", pwm_timer_hz: 100_000_000 };
 
+/// ST Nucleo-G474RE.
+pub const NUCLEO_G474: Board = Board { name: "nucleo-g474", chip: "stm32g474re", pwm_timer_hz: 170_000_000 };
+
 /// All of them.
-pub const ALL: [Board; 4] = [F405, F407, NUCLEO_F411, NUCLEO_F446];
+pub const ALL: [Board; 6] = [F405, F407, BLACK_PILL, NUCLEO_F411, NUCLEO_F446, NUCLEO_G474];
 
 impl Board {
     /// Compare steps between zero and full voltage.
@@ -56,10 +61,11 @@ impl Default for Board {
 mod tests {
     use super::*;
 
-    /// Centre-aligned at 20 kHz: a quarter of the 8,400 counts of 168 MHz, or of the 5,000 of 100 MHz.
+    /// Centre-aligned at 20 kHz: a quarter of the 8,400 counts of 168 MHz, of the 5,000 of 100 MHz, of the
+    /// 8,500 of 170 MHz.
     #[test]
     fn a_timers_counts_are_the_steps() {
-        assert_eq!(ALL.map(Board::pwm_steps), [2_100, 2_100, 1_250, 2_100]);
+        assert_eq!(ALL.map(Board::pwm_steps), [2_100, 2_100, 1_250, 1_250, 2_100, 2_125]);
     }
 
     #[test]

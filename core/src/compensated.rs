@@ -39,6 +39,11 @@ impl<R: Real> Compensated<R> {
         self.excess
     }
 
+    /// `yes` where the mask is true, else `no`.
+    pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        Self { value: R::select(mask, yes.value, no.value), excess: R::select(mask, yes.excess, no.excess) }
+    }
+
     /// Adds `term`.
     #[inline(always)]
     pub fn add(&mut self, term: R) {

@@ -81,7 +81,8 @@ mod tests {
                     if k % 100 < 50 { 12.0 } else { -5.0 },
                     if k % 70 < 30 { -9.0 } else { 14.0 },
                 );
-                let [begin, middle, end] = plant.over_step(volts, PerMotor::zero());
+                let [begin, middle, end] =
+                    plant.over_step(volts, PerMotor::zero()).map(|effect| effect.torque);
                 let mean = begin.plus(middle.scaled(4.0)).plus(end).scaled(1.0 / 6.0);
                 let got = model.advance(volts);
                 let scale = rig.plant.effectiveness_at(10.0).torque(PerMotor::both(24.0));

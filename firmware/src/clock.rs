@@ -9,7 +9,8 @@
 //! too long, is found. The core's own cycle counter would do, but a debug probe that detaches stops it.
 
 use crate::boards::BOARD;
-use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use crate::family::interrupts;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::timer::vals::{Cms, Urs};
 use embassy_stm32::peripherals::{TIM1, TIM5};
 use embassy_stm32::timer::low_level::Timer;
@@ -60,7 +61,7 @@ impl Clock {
         TIMER.egr().write(|w| w.set_ug(true));
         TIMER.sr().write(|w| w.0 = 0);
         TIMER.dier().write(|w| w.set_uie(true));
-        let tick = interrupt::TIM1_UP_TIM10;
+        let tick = interrupts::TICK;
         tick.set_priority(Priority::P0);
         #[expect(unsafe_code, reason = "an interrupt is enabled")]
         // SAFETY: what its handler uses is in place: `tick::start` calls this last.

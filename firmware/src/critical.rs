@@ -36,10 +36,10 @@ unsafe impl critical_section::Impl for BelowTick {
 /// later.
 pub(crate) fn lower_all_interrupts() {
     const NVIC_IPR: *mut u8 = 0xE000_E400 as *mut u8;
-    const INTERRUPTS: usize = 97;
+    const INTERRUPTS: usize = 102;
     for number in 0..INTERRUPTS {
         #[expect(unsafe_code, reason = "one byte a line; nothing is enabled yet")]
-        // SAFETY: NVIC_IPR has a byte for each of the F446's 97 interrupts; spare ones ignore writes.
+        // SAFETY: NVIC_IPR has a byte for each of the G474's 102 interrupts; spare ones ignore writes.
         unsafe {
             NVIC_IPR.add(number).write_volatile(BELOW_TICK as u8);
         }

@@ -2,6 +2,7 @@
 //! three, the board itself is not as it should be, whatever the state. With a simulated rig: one short flash,
 //! disarmed; steady with a short gap, ready; half as quick, motors may turn.
 
+use crate::boards::BOARD;
 use crate::shared::LED_PATTERN;
 use core::sync::atomic::Ordering;
 use embassy_stm32::gpio::{Level, Output};
@@ -26,13 +27,18 @@ pub(crate) const fn pattern(state: ArmState, board: Conditions) -> u8 {
     }
 }
 
+/// At its pin.
+pub(crate) const fn level(on: bool) -> Level {
+    if on == BOARD.lit_high { Level::High } else { Level::Low }
+}
+
 /// Shows it for ever.
 #[embassy_executor::task]
 pub(crate) async fn show(mut led: Output<'static>) {
     let mut ticker = Ticker::every(Duration::from_millis(BIT_MS));
     for bit in (0..8).cycle() {
         let on = LED_PATTERN.load(Ordering::Relaxed) >> bit & 1 == 1;
-        led.set_level(if on { Level::High } else { Level::Low });
+        led.set_level(level(on));
         ticker.next().await;
     }
 }

@@ -18,6 +18,8 @@ mod critical;
 #[cfg(all(target_os = "none", not(feature = "simulated")))]
 mod emergency_stop;
 #[cfg(target_os = "none")]
+mod family;
+#[cfg(target_os = "none")]
 mod flash_cache;
 #[cfg(target_os = "none")]
 mod led;
@@ -25,8 +27,6 @@ mod led;
 mod log;
 #[cfg(target_os = "none")]
 mod nonce;
-#[cfg(target_os = "none")]
-mod oscillator;
 #[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]

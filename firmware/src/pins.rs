@@ -5,6 +5,8 @@ use crate::boards::Button;
 use crate::boards::{BOARD, Pin};
 use embassy_stm32::pac;
 use embassy_stm32::pac::gpio::vals::Idr;
+#[cfg(feature = "simulated")]
+use embassy_stm32::pac::gpio::vals::Pupdr;
 
 /// The emergency stop.
 #[cfg(not(feature = "simulated"))]
@@ -52,13 +54,26 @@ pub(crate) fn current_limit() -> bool {
     level(CURRENT_LIMIT) == Idr::LOW
 }
 
-/// Is the board's button pressed? Its pin is an input from reset on.
+/// The board's button: its pin, an input from reset on, and the level that says that it is pressed.
+#[cfg(feature = "simulated")]
+const BUTTON: Option<(Pin, Idr)> = match BOARD.button {
+    Some(Button { pin, pressed_high: true }) => Some((Pin::named(pin), Idr::HIGH)),
+    Some(Button { pin, pressed_high: false }) => Some((Pin::named(pin), Idr::LOW)),
+    None => None,
+};
+
+/// Not every board has a resistor that holds its button's pin at the level of one that is not pressed: the
+/// one inside does.
+#[cfg(feature = "simulated")]
+pub(crate) fn hold_button() {
+    if let Some((pin, pressed)) = BUTTON {
+        let pull = if pressed == Idr::HIGH { Pupdr::PULL_DOWN } else { Pupdr::PULL_UP };
+        port(pin).pupdr().modify(|w| w.set_pupdr(usize::from(pin.number), pull));
+    }
+}
+
+/// Is the board's button pressed?
 #[cfg(feature = "simulated")]
 pub(crate) fn button() -> bool {
-    const BUTTON: Option<(Pin, Idr)> = match BOARD.button {
-        Some(Button { pin, pressed_high: true }) => Some((Pin::named(pin), Idr::HIGH)),
-        Some(Button { pin, pressed_high: false }) => Some((Pin::named(pin), Idr::LOW)),
-        None => None,
-    };
     BUTTON.is_some_and(|(pin, pressed)| level(pin) == pressed)
 }

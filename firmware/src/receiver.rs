@@ -11,11 +11,11 @@
 //! see some twice: CRC and sequence numbers are for that.
 
 use crate::boards::{SERIAL, SERIAL_IN};
+use crate::family::stream;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU16, Ordering};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, Pull};
-use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::usart::{Instance, RxDma, RxPin};
 
 /// \[byte\] Five milliseconds of a full line.
@@ -50,33 +50,18 @@ impl Receiver {
         pin.set_as_af_unchecked(function, AfType::input(Pull::Up));
         let receiver = Self { _pin: pin, request: stream.request() };
         receiver.start_stream();
-        SERIAL.cr3().modify(|w| w.set_dmar(true));
-        SERIAL.cr1().modify(|w| w.set_re(true));
+        stream::receive(SERIAL);
         receiver
     }
 
     fn start_stream(&self) {
-        let stream = SERIAL_IN.registers();
-        SERIAL_IN.forget_flags();
-        stream.par().write_value(SERIAL.dr().as_ptr() as u32);
-        stream.m0ar().write_value(BYTES.0.get() as u32);
-        stream.ndtr().write(|w| w.set_ndt(RING));
-        stream.cr().write(|w| {
-            w.set_chsel(self.request);
-            w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
-            w.set_psize(Size::BITS8);
-            w.set_msize(Size::BITS8);
-            w.set_minc(true);
-            w.set_circ(true);
-            w.set_pl(Pl::VERY_HIGH);
-            w.set_en(true);
-        });
+        stream::start(SERIAL_IN, SERIAL, self.request, BYTES.0.get().cast(), RING);
         NEXT.store(0, Ordering::Relaxed);
     }
 
     /// The next byte that came, if there is one.
     pub(crate) fn next(&mut self) -> Option<u8> {
-        if !SERIAL_IN.registers().cr().read().en() {
+        if !stream::runs(SERIAL_IN) {
             // Only an error of the bus ends the stream, which nothing here can bring about. What is in the
             // ring was read, or is lost.
             self.start_stream();
@@ -95,11 +80,11 @@ impl Receiver {
 
 /// Where the stream writes next.
 fn written() -> u16 {
-    (RING - SERIAL_IN.registers().ndtr().read().ndt()) % RING
+    (RING - stream::left(SERIAL_IN)) % RING
 }
 
 /// Has anything come that was not read, or has the stream ended?
 #[inline(always)]
 pub(crate) fn waits() -> bool {
-    NEXT.load(Ordering::Relaxed) != written() || !SERIAL_IN.registers().cr().read().en()
+    NEXT.load(Ordering::Relaxed) != written() || !stream::runs(SERIAL_IN)
 }

@@ -1,5 +1,7 @@
 //! When the program must end: motors off first, then a note for the next boot, then a reset.
 
+use crate::family;
+use crate::family::interrupts::SUPPLY;
 use crate::port::{PlantPort, Port};
 use crate::shared::TICKS;
 use crate::stack;
@@ -9,7 +11,7 @@ use core::sync::atomic::Ordering;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::{interrupt, pac};
+use embassy_stm32::pac;
 use twinrotor::link::ResetReport;
 use twinrotor::supervisor::Condition;
 
@@ -57,20 +59,14 @@ pub(crate) fn read_and_clear() -> Option<ResetReport> {
         (&raw mut (*place).magic).write_volatile(0);
         note
     };
-    let flags = pac::RCC.csr().read();
-    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    let seen = family::reset_cause();
     let written =
         note.magic == MAGIC && note.check == note.magic ^ note.code ^ note.program_counter ^ note.ticks;
-    let plain = |cause| Some(ResetReport { cause, program_counter: 0, ticks: 0 });
     match CAUSES.get(note.code as usize) {
         Some(&cause) if written => {
             Some(ResetReport { cause, program_counter: note.program_counter, ticks: note.ticks })
         }
-        // At power-on, this one is set together with the brown-out's.
-        _ if flags.porrstf() => None,
-        _ if flags.wdgrstf() => plain(Condition::ResetByWatchdog),
-        _ if flags.borrstf() => plain(Condition::ResetByBrownOut),
-        _ => None,
+        _ => seen.map(|cause| ResetReport { cause, program_counter: 0, ticks: 0 }),
     }
 }
 
@@ -159,25 +155,23 @@ unsafe fn DefaultHandler(_: i16) -> ! {
     end(Condition::ResetByFault, 0)
 }
 
-/// The clock security has found that the crystal stopped, and has broken the PWM.
+/// The clock security has found that the crystal stopped, and has broken the PWM; or it was only the flash.
 #[exception]
 #[allow(unsafe_code, reason = "the attribute asks for it")]
-unsafe fn NonMaskableInt() -> ! {
-    end(Condition::ResetByClock, 0)
+unsafe fn NonMaskableInt() {
+    if !family::flash::tolerates() {
+        end(Condition::ResetByClock, 0)
+    }
 }
 
-/// From here on, 2.84 V (2.75 to 2.92) on the chip's own supply end the program: the amplifiers must not
-/// outlive it. A board of 3.0 V keeps clear of that, and the flash is written from 2.7 V on.
+/// From here on, too low a voltage of the chip's own supply ends the program: the amplifiers must not outlive
+/// it.
 pub(crate) fn listen_to_supply() {
     const LINE: usize = 16;
-    const LEVEL: u8 = 5;
-    pac::PWR.cr1().modify(|w| {
-        w.set_pls(LEVEL);
-        w.set_pvde(true);
-    });
+    family::detect_low_supply();
     pac::EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
     pac::EXTI.imr(0).modify(|w| w.set_line(LINE, true));
-    let detector = interrupt::PVD;
+    let detector = SUPPLY;
     detector.set_priority(Priority::P0);
     #[expect(unsafe_code, reason = "an interrupt is enabled")]
     // SAFETY: its handler does not return.
@@ -185,12 +179,13 @@ pub(crate) fn listen_to_supply() {
         detector.enable();
     }
     // Below already: there will be no edge.
-    if pac::PWR.csr1().read().pvdo() {
+    if family::supply_is_low() {
         end(Condition::ResetByBrownOut, 0);
     }
 }
 
-#[interrupt]
-fn PVD() {
+/// For the detector's interrupt.
+#[inline(always)]
+pub(crate) fn end_for_supply() -> ! {
     end(Condition::ResetByBrownOut, 0)
 }

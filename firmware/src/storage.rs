@@ -1,20 +1,20 @@
 //! The parameters on flash.
 
+use crate::family::flash::ParameterFlash;
 use crate::port::{PlantPort, Port};
 use crate::{flash_cache, watchdog};
-use embassy_stm32::flash::{Bank1Region1, Blocking};
 use twinrotor::parameters::store::{AREA_OFFSET, SLOT_SIZE, Store};
 use twinrotor::parameters::{self, ParameterError, Parameters, Provenance};
 
-/// The record store of sectors 1 to 3.
+/// The record store.
 pub(crate) struct Storage {
-    store: Store<Bank1Region1<'static, Blocking>>,
+    store: Store<ParameterFlash>,
     buffer: [u8; SLOT_SIZE],
 }
 
 impl Storage {
     /// The store, the parameters in force, and where they come from.
-    pub(crate) fn load(flash: Bank1Region1<'static, Blocking>) -> (Self, Parameters, Provenance) {
+    pub(crate) fn load(flash: ParameterFlash) -> (Self, Parameters, Provenance) {
         let mut storage = Self { store: Store::new(flash, AREA_OFFSET), buffer: [0; SLOT_SIZE] };
         let (parameters, provenance) =
             parameters::load(&mut storage.store, &mut storage.buffer, Port::KIND, defaults);

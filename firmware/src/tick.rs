@@ -11,7 +11,6 @@ use crate::{led, slot, wake, watchdog};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
-use embassy_stm32::interrupt;
 use heapless::spsc::{Producer, Queue};
 use static_cell::StaticCell;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand};
@@ -129,8 +128,9 @@ fn tell_status(control: &Control) {
     STATUS.store(control.core.status().to_word(), Ordering::Release);
 }
 
-#[interrupt]
-fn TIM1_UP_TIM10() {
+/// For the timer's interrupt.
+#[inline(always)]
+pub(crate) fn tick() {
     #[expect(unsafe_code, reason = "owned by this interrupt")]
     // SAFETY: written before the interrupt was enabled; an interrupt does not interrupt itself.
     let tick = unsafe { (*TICK.0.get()).assume_init_mut() };

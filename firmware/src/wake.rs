@@ -3,9 +3,9 @@
 //! The tick may not touch what critical sections protect, so an interrupt of low priority, which the chip has
 //! no other use for, carries the word.
 
+use crate::family::interrupts::WORD;
 use crate::receiver;
 use cortex_m::peripheral::NVIC;
-use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
@@ -18,14 +18,14 @@ pub(crate) fn listen() {
     #[expect(unsafe_code, reason = "an interrupt is enabled")]
     // SAFETY: its handler sets signals only.
     unsafe {
-        embassy_stm32::interrupt::SDIO.enable();
+        WORD.enable();
     }
 }
 
 /// A tick has passed: for the tick. There may be something to send, and something may have come.
 #[inline(always)]
 pub(crate) fn wake() {
-    NVIC::pend(embassy_stm32::interrupt::SDIO);
+    NVIC::pend(WORD);
 }
 
 /// There is something to send: for the thread.
@@ -43,8 +43,9 @@ pub(crate) async fn bytes() {
     BYTES.wait().await;
 }
 
-#[interrupt]
-fn SDIO() {
+/// For the interrupt that carries the word.
+#[inline(always)]
+pub(crate) fn hand_on() {
     WOKEN.signal(());
     if receiver::waits() {
         BYTES.signal(());

@@ -3,13 +3,30 @@
 #[path = "../src/boards/mod.rs"]
 mod boards;
 
-use boards::{Board, INTERNAL_HZ, Pin, Source, Stream, f405, f407, nucleo_f411, nucleo_f446};
+use boards::{Board, INTERNAL_HZ, Pin, Source, Stream};
+use boards::{black_pill, f405, f407, nucleo_f411, nucleo_f446, nucleo_g474};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use twinrotor::plant::presets;
 
-const ALL: [Board; 4] = [f405::BOARD, f407::BOARD, nucleo_f411::BOARD, nucleo_f446::BOARD];
+const ALL: [Board; 6] =
+    [f405::BOARD, f407::BOARD, black_pill::BOARD, nucleo_f411::BOARD, nucleo_f446::BOARD, nucleo_g474::BOARD];
+
+/// Its chip is an STM32G4.
+fn is_g4(board: &Board) -> bool {
+    board.known.chip.starts_with("stm32g4")
+}
+
+/// \[Hz\] Into the PLL, and within it: RM0090, 7.3.2 (192 MHz at least on early chips); RM0440, 7.4.4 and
+/// datasheet DS12288, table 42.
+fn pll_limits(board: &Board) -> [std::ops::RangeInclusive<u32>; 2] {
+    if is_g4(board) {
+        [2_660_000..=16_000_000, 96_000_000..=344_000_000]
+    } else {
+        [1_000_000..=2_000_000, 192_000_000..=432_000_000]
+    }
+}
 
 fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path))
@@ -41,24 +58,25 @@ fn pins(board: &Board) -> Vec<(&'static str, &'static str)> {
 }
 
 /// STM32F405 and F446 datasheets: 168 (180) MHz core, 42 (45) and 84 (90) MHz buses; F411: 100, 50 and 100
-/// MHz. Reference manual RM0090, 7.3.2: 1 to 2 MHz into the PLL, 100 to 432 MHz (192 on early chips) within.
+/// MHz; G474: 170 MHz, all.
 #[test]
 fn clocks_are_whole_and_within_the_chips_limits() {
     for board in ALL {
         let (name, c) = (board.known.name, &board.clocks);
         let input = c.source_hz / u32::from(c.divide);
         let inside = input * u32::from(c.multiply);
-        assert!((1_000_000..=2_000_000).contains(&input), "{name}: {input} Hz into the PLL");
-        assert!((192_000_000..=432_000_000).contains(&inside), "{name}: {inside} Hz in the PLL");
+        let [into, within] = pll_limits(&board);
+        assert!(into.contains(&input), "{name}: {input} Hz into the PLL");
+        assert!(within.contains(&inside), "{name}: {inside} Hz in the PLL");
         assert_eq!(input * u32::from(c.divide), c.source_hz, "{name}");
         assert!(
             [2, 4, 6, 8].contains(&c.post_divide) && inside.is_multiple_of(c.post_divide.into()),
             "{name}"
         );
-        let [core, slow, fast] = if board.known.chip.starts_with("stm32f411") {
-            [100_000_000, 50_000_000, 100_000_000]
-        } else {
-            [168_000_000, 42_000_000, 84_000_000]
+        let [core, slow, fast] = match &board.known.chip[..9] {
+            "stm32f411" => [100_000_000, 50_000_000, 100_000_000],
+            "stm32g474" => [170_000_000; 3],
+            _ => [168_000_000, 42_000_000, 84_000_000],
         };
         assert!(c.core_hz() <= core && c.core_hz().is_multiple_of(1_000_000), "{name}");
         assert!(c.core_hz() / u32::from(c.apb1_divide) <= slow, "{name}");
@@ -71,14 +89,14 @@ fn without_its_crystal_a_board_is_as_fast_and_the_stopwatch_counts_whole_cycles(
     for board in ALL {
         let (name, c) = (board.known.name, &board.clocks);
         let input = INTERNAL_HZ / u32::from(c.fallback_divide());
-        assert!((1_000_000..=2_000_000).contains(&input), "{name}: {input} Hz into the PLL");
+        assert!(pll_limits(&board)[0].contains(&input), "{name}: {input} Hz into the PLL");
         assert_eq!(input * u32::from(c.multiply) / u32::from(c.post_divide), c.core_hz(), "{name}");
         assert!(c.slow_timer_hz().is_multiple_of(1_000), "{name}");
         assert!(c.core_hz().is_multiple_of(c.slow_timer_hz()), "{name}");
     }
 }
 
-/// RM0090, table 42: USART2's receiver is DMA1's stream 5.
+/// RM0090, table 42: USART2's receiver is DMA1's stream 5. A G474 has no such table, and channels from 1 on.
 #[test]
 fn the_serial_ports_stream_is_its_own() {
     for board in ALL {
@@ -88,9 +106,10 @@ fn the_serial_ports_stream_is_its_own() {
 }
 
 #[test]
-fn a_nucleo_board_is_fed_and_the_others_have_a_crystal() {
+fn a_nucleo_f4_is_fed_and_the_others_have_a_crystal() {
     for board in ALL {
-        let fed = board.known.name.starts_with("nucleo");
+        // UM1724, 6.7.1; UM2505, 7.9: the G474's has a crystal.
+        let fed = board.known.name.starts_with("nucleo-f4");
         assert_eq!(board.clocks.source == Source::External, fed, "{}", board.known.name);
     }
 }
@@ -128,9 +147,28 @@ fn every_pin_has_one_signal_and_no_probe_on_it() {
         }
         // The interrupt of EXTI lines 10 to 15 is the one that is listened to.
         assert!(Pin::named(board.wiring.emergency_stop).number >= 10, "{}", board.known.name);
-        // STM32F4 datasheets: ADC1's channels 10 to 15 are PC0 to PC5.
+        // STM32F4 datasheets: ADC1's channels 0 to 7 are PA0 to PA7, 8 and 9 PB0 and PB1, 10 to 15 PC0 to
+        // PC5; G474: 6 to 9 are PC0 to PC3.
         let supply = Pin::named(board.wiring.supply);
-        assert_eq!((supply.port, supply.number + 10), (2, board.supply_channel), "{}", board.known.name);
+        let first = if is_g4(&board) { [1, 20, 6] } else { [0, 8, 10] };
+        let channel = supply.number + first[usize::from(supply.port)];
+        assert_eq!(channel, board.supply_channel, "{}", board.known.name);
+    }
+}
+
+/// STM32F411xC/E datasheet DS10314, table 8, the package of 48 pins: all of port A, B without 2 (BOOT1) and
+/// 11, C from 13 on. PA12 is USB's. A compiler for the F411RE would take more.
+#[test]
+fn the_black_pill_has_the_pins_that_it_uses() {
+    for (signal, pin) in pins(&black_pill::BOARD) {
+        let Pin { port, number } = Pin::named(pin);
+        let has = match port {
+            0 => number != 12,
+            1 => number != 2 && number != 11,
+            2 => number >= 13,
+            _ => false,
+        };
+        assert!(has, "{signal}: {pin}");
     }
 }
 
@@ -216,8 +254,10 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     let config = words.join(" ");
     for (board, features) in [
         (f405::BOARD, "simulated"),
+        (black_pill::BOARD, "black-pill,simulated"),
         (nucleo_f411::BOARD, "nucleo-f411,simulated"),
         (nucleo_f446::BOARD, "nucleo-f446,simulated"),
+        (nucleo_g474::BOARD, "nucleo-g474,simulated"),
     ] {
         let Board { known: twinrotor::board::Board { name, .. }, probe_chip, .. } = board;
         for alias in ["fw", "fw-run", "fw-clippy"] {
@@ -238,14 +278,24 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     }
 }
 
-/// UM1724 (Nucleo-64), 6.6: B1 pulls PC13 to ground. UM1472 (F4-Discovery), 6.4: B1 puts VDD on PA0.
+/// UM1724, 6.4; UM1472, 6.3; the Black Pill's schematic, on which the LED's other end is at 3.3 V.
+#[test]
+fn an_led_is_lit_as_its_board_has_it() {
+    for board in ALL {
+        assert_eq!(board.lit_high, board.known.name != "black-pill", "{}", board.known.name);
+    }
+}
+
+/// UM1724 (Nucleo-64), 6.6: B1 pulls PC13 to ground. MB1367 (Nucleo-G474RE): it puts VDD on it. UM1472
+/// (F4-Discovery), 6.4: B1 puts VDD on PA0. The Black Pill's schematic: KEY pulls PA0 to ground.
 #[test]
 fn a_button_is_on_a_pin_of_a_port_that_all_chips_have() {
     for board in ALL {
         let Some(button) = board.button else { continue };
         let pin = Pin::named(button.pin);
         assert!(pin.port < 4, "{}: {}", board.known.name, button.pin);
-        assert_eq!(button.pressed_high, !board.known.name.starts_with("nucleo"), "{}", board.known.name);
+        let high = ["f407", "nucleo-g474"].contains(&board.known.name);
+        assert_eq!(button.pressed_high, high, "{}", board.known.name);
         let w = &board.wiring;
         assert!(![w.serial_out, w.serial_in, w.led, w.enable].contains(&button.pin), "{}", board.known.name);
     }

@@ -17,6 +17,7 @@ use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
 use twinrotor_sim::closed_loop::{BoardLoop, RigLoop, Tick};
 use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
+use twinrotor_sim::metrics::Settling;
 
 /// What all flights of a launch have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -284,16 +285,26 @@ impl Course for Changes<'_> {
 }
 
 /// Words of a [`Flown`].
-pub const FLOWN: usize = 11;
+pub const FLOWN: usize = 19;
 
 /// A flight's sums in words.
 #[inline(always)]
 pub fn to_words(flown: &Flown) -> [u32; FLOWN] {
     let flags =
         u32::from(flown.outside_5) | u32::from(flown.left_envelope) << 1 | u32::from(flown.diverged) << 2;
+    let [pitch, yaw] = [flown.settling_2.pitch, flown.settling_2.yaw].map(|s| s.numbers().map(f32::to_bits));
+    let [[p0, p1, p2, p3, p4], [y0, y1, y2, y3, y4]] = [pitch, yaw];
     [
-        flown.last_outside_2.pitch.to_bits(),
-        flown.last_outside_2.yaw.to_bits(),
+        p0,
+        p1,
+        p2,
+        p3,
+        p4,
+        y0,
+        y1,
+        y2,
+        y3,
+        y4,
         flown.overshoot.pitch.to_bits(),
         flown.overshoot.yaw.to_bits(),
         flown.hold_squares.pitch.to_bits(),
@@ -311,13 +322,14 @@ pub fn from_words(words: [u32; FLOWN]) -> Flown {
     let number = |k: usize| words.get(k).map_or(0.0, |word| f32::from_bits(*word));
     let pair = |k: usize| PerAxis::new(number(k), number(k + 1));
     let [.., flags] = words;
+    let settling = |k: usize| Settling::of_numbers([0, 1, 2, 3, 4].map(|i| number(k + i)));
     Flown {
-        last_outside_2: pair(0),
-        overshoot: pair(2),
-        hold_squares: pair(4),
-        disturbed_squares: pair(6),
-        variation: number(8),
-        saturated: number(9),
+        settling_2: PerAxis::new(settling(0), settling(5)),
+        overshoot: pair(10),
+        hold_squares: pair(12),
+        disturbed_squares: pair(14),
+        variation: number(16),
+        saturated: number(17),
         outside_5: flags & 1 != 0,
         left_envelope: flags & 2 != 0,
         diverged: flags & 4 != 0,

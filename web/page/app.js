@@ -2,10 +2,10 @@
 // The page: puts its parts together, lets time pass and keeps the address.
 
 import { attempt } from "./attempt.js";
-import { read85 } from "./base85.js";
+import { carried, carriedText } from "./carried.js";
 import { Clock } from "./clock.js";
 import { Control } from "./control.js";
-import { button, byId, input, make, select } from "./dom.js";
+import { button, byId, input, select } from "./dom.js";
 import { Flights } from "./flights.js";
 import { Helicopter } from "./helicopter.js";
 import { History } from "./history.js";
@@ -14,6 +14,7 @@ import { read, write } from "./link.js";
 import { Module } from "./machine.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
+import { Recorder } from "./recorder.js";
 import { Rig } from "./rig.js";
 import { Serial } from "./serial.js";
 import { Settings } from "./settings.js";
@@ -26,17 +27,7 @@ const WORDS_EVERY = 100;
 /** How often plots are redrawn, in ms. */
 const PLOTS_EVERY = 30;
 
-/** What a page from a file carries in itself, packed; nothing in one that is served. @param {string} id */
-async function carried(id) {
-  const packed = byId(id).textContent ?? "";
-  if (packed === "") return undefined;
-  const unpacked = new Blob([read85(packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Uint8Array(await new Response(unpacked).arrayBuffer());
-}
-
 async function main() {
-  const uplot = await carried("uplot");
-  if (uplot) document.head.append(make("script", {}, new TextDecoder().decode(uplot)));
   const bytes = await carried("wasm");
   const machine = bytes ? await Module.load(bytes) : await Socket.open();
   const about = await machine.ask("about");
@@ -50,12 +41,13 @@ async function main() {
   const flights = new Flights(machine);
   const rig = new Rig(machine, about, attempt, () => settings.build());
   const lessons = new Lessons(machine);
+  const recorder = new Recorder(machine, attempt);
   const load = (/** @type {string} */ gains_toml) =>
     attempt(async () => {
       await machine.ask({ load: { gains_toml } });
       await settings.build();
     });
-  new Tuner(machine, bytes, byId("worker").textContent ?? "", about, load);
+  new Tuner(machine, bytes, await carriedText("worker"), about, load);
   const stop = () => steps.stop();
   const control = machine instanceof Socket ? new Control(machine, attempt, stop) : undefined;
   const serial =
@@ -121,7 +113,7 @@ async function main() {
       plots.setLimits(Object.values(status.volts_limit));
       await settings.build();
     }
-    for (const part of [steps, rig, settings, flights, lessons]) part.show(status);
+    for (const part of [steps, rig, settings, flights, lessons, recorder]) part.show(status);
     control?.show();
     // What is in force has changed: the sliders say what is accepted.
     const now = `${status.trial === "flying"} ${status.unsaved}`;

@@ -66,10 +66,10 @@ export function colour(name) {
 /**
  * Offers a text as a file.
  * @param {string} name
- * @param {string} text
+ * @param {string[]} parts of it
  */
-export function download(name, text) {
-  const url = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+export function download(name, parts) {
+  const url = URL.createObjectURL(new Blob(parts, { type: "text/plain" }));
   const anchor = /** @type {HTMLAnchorElement} */ (make("a", { href: url, download: name }));
   anchor.click();
   URL.revokeObjectURL(url);

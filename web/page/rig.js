@@ -24,8 +24,18 @@ export class Rig {
       }),
     );
     button("begin").addEventListener("click", () => this.begin());
-    button("fly").addEventListener("click", () =>
-      attempt(() => machine.ask({ fly: { scenario: select("scenario").value } })),
+    /** Scenario files that were opened, by name. @type {Map<string, string>} */
+    this.opened = new Map();
+    button("fly").addEventListener("click", () => {
+      const scenario = select("scenario").value;
+      attempt(() => machine.ask({ fly: { scenario, toml: this.opened.get(scenario) } }));
+    });
+    input("scenario-file").addEventListener("change", () =>
+      attempt(async () => {
+        const file = input("scenario-file").files?.[0];
+        if (file) this.open(file.name, await file.text());
+        input("scenario-file").value = "";
+      }),
     );
     for (const id of ["aim-pitch", "aim-yaw"]) input(id).addEventListener("input", () => this.aim());
     for (const id of ["wind-main", "wind-tail", "gusts"])
@@ -43,6 +53,13 @@ export class Rig {
       for (const id of ["aim-pitch", "aim-yaw"]) input(id).value = "0";
       await Promise.all([this.disturb(), this.steady()]);
     });
+  }
+
+  /** A scenario file is one to choose. @param {string} name @param {string} text */
+  open(name, text) {
+    if (!this.opened.has(name)) select("scenario").append(make("option", { value: name }, name));
+    this.opened.set(name, text);
+    select("scenario").value = name;
   }
 
   aim() {

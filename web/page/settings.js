@@ -48,7 +48,7 @@ export class Settings {
     on("save", "save");
     on("undo", { recall: { number: 0 } });
     button("export").addEventListener("click", () =>
-      attempt(async () => download("gains.toml", await machine.ask("export"))),
+      attempt(async () => download("gains.toml", [await machine.ask("export")])),
     );
     input("load").addEventListener("change", () => this.load());
   }

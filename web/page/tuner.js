@@ -48,7 +48,7 @@ export class Tuner {
     this.found = null;
     button("tune").addEventListener("click", () => this.start());
     button("tune-use").addEventListener("click", () => this.found && use(this.found));
-    button("tune-save").addEventListener("click", () => this.found && download("gains.toml", this.found));
+    button("tune-save").addEventListener("click", () => this.found && download("gains.toml", [this.found]));
   }
 
   start() {

@@ -17,7 +17,7 @@
 
 pub mod desk;
 #[cfg(target_arch = "wasm32")]
-mod exports;
+pub mod exports;
 pub mod lessons;
 pub mod page;
 pub mod recorded;

@@ -39,8 +39,11 @@ pub enum Request {
         pitch_deg: f32,
         yaw_deg: f32,
     },
+    /// One of the paper's scenarios, or the text of a scenario file.
     Fly {
         scenario: String,
+        #[serde(default)]
+        toml: Option<String>,
     },
     /// \[V\]
     Disturb {
@@ -82,6 +85,12 @@ pub enum Request {
     Accept,
     Revert,
     Save,
+    /// Every tick is recorded from now on, or no more.
+    Record(bool),
+    /// A part of the record as CSV.
+    Recorded {
+        from: usize,
+    },
     /// The last flights with their curves.
     Flights,
     /// Lessons, with how far their tasks are by what was flown.
@@ -137,6 +146,7 @@ impl Request {
                 | Self::Settings
                 | Self::Export
                 | Self::Flights
+                | Self::Recorded { .. }
                 | Self::Lessons
                 | Self::Tune { .. }
                 | Self::TuneOn
@@ -224,7 +234,8 @@ pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
         Request::Aim { pitch_deg, yaw_deg } => {
             desk.aim(PerAxis::new(pitch_deg, yaw_deg).map(f32::to_radians));
         }
-        Request::Fly { scenario } => desk.fly(Scenario::named(&scenario)?)?,
+        Request::Fly { scenario, toml: None } => desk.fly(Scenario::named(&scenario)?)?,
+        Request::Fly { scenario, toml: Some(text) } => desk.fly(Scenario::parse(&scenario, &text)?)?,
         Request::Disturb { main, tail, gusts } => desk.disturb(PerMotor::new(main, tail), gusts)?,
         Request::Push { main, tail } => desk.bench()?.push = PerMotor::new(main, tail),
         Request::Steady(steadied) => desk.bench()?.steadied = steadied,
@@ -242,6 +253,8 @@ pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
         Request::Accept => desk.judge(true),
         Request::Revert => desk.judge(false),
         Request::Save => desk.save(),
+        Request::Record(on) => desk.recorder.wish(on)?,
+        Request::Recorded { from } => return told(&desk.recorder.part(from)),
         Request::Flights => return told(desk.flights().kept()),
         Request::Lessons => return told(&lessons::lessons(desk.flights())),
     }

@@ -5,7 +5,7 @@
 //     node web/tests/record.mjs heli.html FLOWN.csv SIMULATED.csv
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Chromium, installed } from "./chromium.mjs";
@@ -44,6 +44,42 @@ async function choose(/** @type {string} */ file) {
   const { root } = await browser.send("DOM.getDocument");
   const { nodeId } = await browser.send("DOM.querySelector", { nodeId: root.nodeId, selector: "#record" });
   await browser.send("DOM.setFileInputFiles", { nodeId, files: [resolve(file)] });
+}
+
+/** What the page records has every tick, and is opened again. */
+async function recorded() {
+  await browser.value(`(() => {
+    const make = URL.createObjectURL;
+    URL.createObjectURL = (blob) => {
+      blob.text().then((text) => (window.kept = text));
+      return make(blob);
+    };
+  })()`);
+  await browser.click("#record-begin");
+  await browser.until("document.querySelector('#record-told').textContent.includes('ticks')", 5_000);
+  await rest(2_000);
+  assert.equal(
+    await browser.value("document.querySelector('#record-begin').textContent"),
+    "end the record",
+  );
+  await browser.click("#record-begin");
+  await browser.until("window.kept !== undefined", 10_000);
+  const text = await browser.value("window.kept");
+  const file = `${flown}.page.csv`;
+  writeFileSync(file, text);
+  const rows = table(file);
+  assert.ok(rows.length > 300, `${rows.length} rows`);
+  rows.forEach((row, k) => {
+    assert.equal(Number(row.tick), Number(rows[0].tick) + k, "every tick is there");
+    assert.equal(row.gap, "0");
+  });
+  const head = (/** @type {string} */ name) => readFileSync(name, "utf8").split("\n", 1)[0];
+  assert.equal(head(file), head(flown), "the columns of fly");
+  await choose(file);
+  await browser.until("!document.querySelector('#play').hidden", 10_000);
+  await seek(0.25);
+  same((await shown()).pitch, Number(rows[250].pitch) * degrees, "pitch");
+  await browser.click("#play-end");
 }
 
 async function journey() {
@@ -106,12 +142,13 @@ async function journey() {
   await browser.click("#run");
   await browser.until("document.querySelector('#state').textContent === 'disarmed'", 10_000);
   assert.equal(await browser.value("document.querySelector('.steps').checkVisibility()"), true);
+  await recorded();
   assert.deepEqual(browser.troubles, []);
 }
 
 try {
   await journey();
-  console.log("recorded flights are opened, played, paused and sought");
+  console.log("flights are recorded; records are opened, played, paused and sought");
 } finally {
   await browser.close();
 }

@@ -1,6 +1,7 @@
 //! `twinrotor._native`: the engine as Python calls it. Text and numbers come in, arrays and JSON go out; what
 //! is pleasant to use of it is written in Python, in `python/twinrotor`.
 
+mod batch;
 mod board;
 mod comparison;
 mod flight;
@@ -17,6 +18,8 @@ mod waiting;
 /// The engine.
 #[pyo3::pymodule]
 mod _native {
+    #[pymodule_export]
+    use crate::batch::Batch;
     #[pymodule_export]
     use crate::board::{Bench, ControlLoop, SimulatedBoard};
     #[pymodule_export]

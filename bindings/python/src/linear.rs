@@ -3,8 +3,8 @@
 use crate::parts::{named_rig, raised};
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use twinrotor::axes::PerMotor;
-use twinrotor::plant::PlantParameters;
+use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::plant::{PlantParameters, RigidBody, State};
 use twinrotor::static_reach::hold_volts;
 use twinrotor_sim::Error;
 
@@ -24,26 +24,27 @@ struct Column {
     lag: f64,
 }
 
-fn columns(plant: &PlantParameters<f64>, volts: PerMotor<f64>) -> [Column; 2] {
+/// At a pitch where yaw feels `tilt` of what the motors do to it on a level body.
+fn columns(plant: &PlantParameters<f64>, volts: PerMotor<f64>, tilt: f64) -> [Column; 2] {
     // d/dv (a v + b v|v|) = a + 2 b |v|.
     let slope = |v: f64| plant.effectiveness.zip(plant.quadratic_effectiveness, |a, b| a + 2.0 * b * v.abs());
     let (main, tail) = (slope(volts.main), slope(volts.tail));
     let (lag, reaction) = (plant.rotor_time_constant, plant.rotor_reaction);
     [
         Column {
-            thrust: [main.main_on_pitch, main.main_on_yaw],
-            reaction: [0.0, reaction.main],
+            thrust: [main.main_on_pitch, tilt * main.main_on_yaw],
+            reaction: [0.0, tilt * reaction.main],
             lag: lag.main,
         },
         Column {
-            thrust: [tail.tail_on_pitch, tail.tail_on_yaw],
+            thrust: [tail.tail_on_pitch, tilt * tail.tail_on_yaw],
             reaction: [reaction.tail, 0.0],
             lag: lag.tail,
         },
     ]
 }
 
-/// Eqs (1)-(2) with lag and reaction torque of the rotors, near rest at `pitch` \[rad\]. States: θ, ψ, θ̇,
+/// Eqs (1)-(2) with lag, reaction and gyroscopic torque of the rotors, near rest at `pitch` \[rad\]. States: θ, ψ, θ̇,
 /// ψ̇, and the volts in effect of each motor that lags; inputs: the volts applied; outputs: θ, ψ. Coulomb
 /// friction, which has no slope, is left out.
 #[pyfunction]
@@ -57,10 +58,10 @@ pub(crate) fn linearize<'py>(py: Python<'py>, preset: &str, pitch: f64) -> PyRes
     }
     let volts = hold_volts(plant, pitch);
     let moment = plant.mass * plant.center_of_mass;
-    let coupling = moment * plant.center_of_mass;
-    let inertia = [plant.inertia.pitch + coupling, plant.inertia.yaw + coupling * pitch.cos().powi(2)];
+    let inertia = RigidBody::new(plant).at(&State::at_rest(PerAxis::new(pitch, 0.0))).inertia;
+    let inertia = [inertia.pitch, inertia.yaw];
     let damping = [plant.damping.pitch, plant.damping.yaw];
-    let motors = columns(plant, volts);
+    let motors = columns(plant, volts, 1.0 + plant.tilting_thrust * (pitch.cos() - 1.0));
     let states = 4 + motors.iter().filter(|motor| motor.lag > 0.0).count();
     let (mut a, mut b): (Rows, Rows) = (vec![vec![0.0; states]; states], vec![vec![0.0; 2]; states]);
     // At rest, with the torque in balance, yaw feels nothing of pitch.
@@ -69,6 +70,9 @@ pub(crate) fn linearize<'py>(py: Python<'py>, preset: &str, pitch: f64) -> PyRes
         a[axis][2 + axis] = 1.0;
         a[2 + axis][2 + axis] = -damping[axis] / inertia[axis];
     }
+    let gyroscopic = plant.rotor_momentum * volts.main * pitch.sin();
+    a[2][3] -= gyroscopic / inertia[0];
+    a[3][2] += gyroscopic / inertia[1];
     let mut state = 4;
     for (input, motor) in motors.iter().enumerate() {
         let lags = motor.lag > 0.0;

@@ -51,7 +51,8 @@ pub struct Bench<R> {
 
 impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
     /// A plant as it stands, on nothing, with counters that start at zero.
-    pub fn new(plant: RealPlant<R>, hardware: &Hardware) -> Self {
+    pub fn new(mut plant: RealPlant<R>, hardware: &Hardware) -> Self {
+        plant.set_cable(&hardware.wear.cable);
         let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
         Self {
             position: encoders.counts(plant.state().angle).map(Whole::to_integer),
@@ -98,6 +99,12 @@ impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
     pub fn steady(&mut self) {
         self.plant.place(State::at_rest(self.plant.state().angle));
         self.plant.set_rotors(PerMotor::zero());
+    }
+
+    /// It is worn from now on as `wear` says.
+    pub fn set_wear(&mut self, wear: &Wear) {
+        self.worn = Worn::new(wear, self.plant.state().angle);
+        self.plant.set_cable(&wear.cable);
     }
 
     /// The same rig around another plant.

@@ -93,7 +93,7 @@ impl SimulatedRig {
 impl Bench<f32> {
     /// Somebody lays it down as `rest` lies, and repairs it. Its encoders count the way.
     fn put_back(&mut self, rest: &Self) {
-        self.plant = rest.plant;
+        self.plant = rest.plant.on_cable_of(&self.plant);
         self.held = false;
         self.supply = rest.supply;
         self.disturbance = PerMotor::zero();

@@ -1,7 +1,9 @@
 //! What a simulated rig's hardware does worse than the ideal one: play between shaft and encoder, encoders
-//! that miscount, motors that do not answer to a small voltage, volts that come late or not in full.
+//! that miscount, motors that do not answer to a small voltage, volts that come late or not in full, a cable
+//! that holds yaw back.
 
 use crate::axes::{PerAxis, PerMotor};
+use crate::plant::Cable;
 use crate::real::Real;
 
 /// How worn it is; nothing by default.
@@ -11,8 +13,12 @@ pub struct Wear {
     pub backlash: PerAxis<f64>,
     /// \[V\] What a motor's friction takes of its volts, 0 or more: less does not turn it.
     pub dead_zone: PerMotor<f64>,
-    /// \[ticks\] By how many volts come later than they should, at most [`LONGEST_DELAY`].
+    /// \[ticks\] By how many volts come later than they should; with `jitter` at most [`LONGEST_DELAY`].
     pub delay: u32,
+    /// \[ticks\] By how many more they may come late, in each tick as [`Worn::set_jitter`] says.
+    pub jitter: u32,
+    /// The cable that yaw winds up.
+    pub cable: Cable<f64>,
     /// \[V\] Most that the amplifiers give, where that is less than the controller knows.
     pub limit: Option<PerMotor<f64>>,
 }
@@ -33,6 +39,9 @@ pub struct Worn<R> {
     /// What is on its way, the newest first.
     late: [PerMotor<R>; LONGEST_DELAY as usize + 1],
     delay: usize,
+    /// \[ticks\] Beside the delay, now; and at most.
+    jitter: usize,
+    most_jitter: usize,
     /// \[counts\]
     noise: PerAxis<R>,
     noisy: bool,
@@ -50,6 +59,8 @@ impl<R: Real> Worn<R> {
             limit: wear.limit.unwrap_or(far).cast(),
             late: [PerMotor::zero(); LONGEST_DELAY as usize + 1],
             delay: wear.delay.min(LONGEST_DELAY) as usize,
+            jitter: 0,
+            most_jitter: wear.jitter.min(LONGEST_DELAY - wear.delay.min(LONGEST_DELAY)) as usize,
             noise: PerAxis::zero(),
             noisy: false,
         }
@@ -73,6 +84,11 @@ impl<R: Real> Worn<R> {
         self.noisy = true;
     }
 
+    /// From now on volts come so many ticks later than they do without jitter.
+    pub fn set_jitter(&mut self, ticks: u32) {
+        self.jitter = (ticks as usize).min(self.most_jitter);
+    }
+
     /// \[counts\] What the encoders show that have counted so many.
     #[inline(always)]
     pub fn shown(&self, counts: PerAxis<R>) -> PerAxis<R> {
@@ -90,7 +106,7 @@ impl<R: Real> Worn<R> {
         if let Some(newest) = self.late.first_mut() {
             *newest = given;
         }
-        let late = self.late.get(self.delay).copied().unwrap_or(given);
+        let late = self.late.get(self.delay + self.jitter).copied().unwrap_or(given);
         late.zip(self.dead_zone, |v, dead| {
             let left = (v.abs() - dead).max(R::zero());
             R::select(v.lt(R::zero()), -left, left)
@@ -132,6 +148,13 @@ mod tests {
             core::array::from_fn(|k| motors.driven(PerMotor::new(k as f64 + 1.0, -0.4)));
         assert_eq!(got.map(|v| v.main), [0.0, 0.0, 0.0, 0.5, 1.5]);
         assert!(got.iter().all(|v| v.tail == 0.0), "less than its friction");
+        let late = Wear { delay: 1, jitter: 2, ..Wear::default() };
+        let mut motors = worn(late);
+        let arrived = [(1.0, 0), (2.0, 2), (3.0, 0), (4.0, 5), (5.0, 1)].map(|(volts, jitter)| {
+            motors.set_jitter(jitter);
+            motors.driven(PerMotor::both(volts)).main
+        });
+        assert_eq!(arrived, [0.0, 0.0, 2.0, 1.0, 3.0], "no more than the most, and an older one again");
         let longest = Wear { delay: LONGEST_DELAY, limit: Some(PerMotor::both(2.0)), ..Wear::default() };
         let mut motors = worn(longest);
         let arrives = (0..100).position(|_| motors.driven(PerMotor::both(-9.0)).main == -2.0);

@@ -25,7 +25,7 @@ use store::{MAX_PAYLOAD, SLOT_SIZE, Store};
 
 /// Version of the record. Another one on flash is refused ([`ParameterError::Version`]), since its numbers
 /// would mean something else; the board then keeps its motors off until a record of this version is stored.
-pub const VERSION: u16 = 6;
+pub const VERSION: u16 = 7;
 
 /// What a board runs with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

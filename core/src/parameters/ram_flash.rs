@@ -1,5 +1,5 @@
-//! The parameter pages of an STM32F4 in RAM, power cuts included: what the host makes images with
-//! and what proves [`super::store`].
+//! The parameter pages of an STM32F4 in RAM, or of an STM32G4, which is programmed by double words; power
+//! cuts included: what the host makes images with and what proves [`super::store`].
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -49,9 +49,9 @@ impl From<NorFlashErrorKind> for RamFlashError {
     }
 }
 
-/// [`PAGES`] pages of flash in RAM, erased at first.
+/// [`PAGES`] pages of flash in RAM, erased at first, programmed by `WORD` bytes at once.
 #[derive(Clone, Debug)]
-pub struct RamFlash {
+pub struct RamFlash<const WORD: usize = 4> {
     bytes: [u8; AREA_SIZE],
     /// Flash operations so far: word programs and page erases.
     pub operations: u32,
@@ -62,11 +62,17 @@ pub struct RamFlash {
 
 impl Default for RamFlash {
     fn default() -> Self {
-        Self { bytes: [0xFF; AREA_SIZE], operations: 0, cut: None, off: false }
+        Self::erased()
     }
 }
 
-impl RamFlash {
+impl<const WORD: usize> RamFlash<WORD> {
+    /// As it is delivered.
+    #[must_use]
+    pub const fn erased() -> Self {
+        Self { bytes: [0xFF; AREA_SIZE], operations: 0, cut: None, off: false }
+    }
+
     /// All bytes: the image of the area.
     #[must_use]
     pub const fn bytes(&self) -> &[u8; AREA_SIZE] {
@@ -99,11 +105,11 @@ impl RamFlash {
     }
 }
 
-impl ErrorType for RamFlash {
+impl<const WORD: usize> ErrorType for RamFlash<WORD> {
     type Error = RamFlashError;
 }
 
-impl ReadNorFlash for RamFlash {
+impl<const WORD: usize> ReadNorFlash for RamFlash<WORD> {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
@@ -118,8 +124,8 @@ impl ReadNorFlash for RamFlash {
     }
 }
 
-impl NorFlash for RamFlash {
-    const WRITE_SIZE: usize = 4;
+impl<const WORD: usize> NorFlash for RamFlash<WORD> {
+    const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = PAGE_SIZE;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {

@@ -5,8 +5,9 @@
 //! page   [slot 0][slot 1] ... [slot 15]          three pages of 16 KiB, slots of 1 KiB
 //! slot   [sequence][length][payload, padded with 0xFF to words][CRC-32 of all before it]
 //! ```
-//! The record in force is the one with the highest sequence whose CRC holds. Words are programmed
-//! in ascending order, so the CRC comes last and is what commits a save.
+//! The record in force is the one with the highest sequence whose CRC holds. Words, or the double words of a
+//! flash that is programmed by these, are programmed in ascending order, each once, so the CRC comes last and
+//! is what commits a save.
 //!
 //! Two rules make it safe, and no state outside the flash is needed:
 //! 1. A save goes to a slot that reads erased in the page that holds the record in force, behind it.
@@ -72,7 +73,8 @@ struct Found {
 impl<F: NorFlash> Store<F> {
     const PAGE_BYTES: u32 = bytes(F::ERASE_SIZE);
     const SLOTS: u32 = Self::PAGE_BYTES / SLOT_BYTES;
-    const FITS: () = assert!(F::ERASE_SIZE.is_multiple_of(SLOT_SIZE) && WORD.is_multiple_of(F::WRITE_SIZE));
+    const FITS: () =
+        assert!(F::ERASE_SIZE.is_multiple_of(SLOT_SIZE) && (2 * WORD).is_multiple_of(F::WRITE_SIZE));
 
     /// The area of [`PAGES`] erase pages of `flash` from the byte offset `base` on.
     pub const fn new(flash: F, base: u32) -> Self {
@@ -111,7 +113,7 @@ impl<F: NorFlash> Store<F> {
         let (page, slot) = self.free_slot(newest, buffer)?;
         let sequence = newest.map_or(0, |found| found.sequence.wrapping_add(1));
         let address = self.address(page, slot);
-        self.flash.write(address, frame(sequence, new, buffer))?;
+        self.flash.write(address, frame(sequence, new, F::WRITE_SIZE, buffer))?;
         self.flash.read(address, buffer)?;
         match payload(buffer) {
             Some((read, payload)) if read == sequence && payload == new => Ok(()),
@@ -158,8 +160,9 @@ impl<F: NorFlash> Store<F> {
     }
 }
 
-/// The bytes of a slot that holds `payload`, built in `buffer`.
-fn frame<'b>(sequence: u32, payload: &[u8], buffer: &'b mut [u8; SLOT_SIZE]) -> &'b [u8] {
+/// The bytes of a slot that holds `payload`, built in `buffer`, as far as they are written: to a multiple of
+/// `write_size`.
+fn frame<'b>(sequence: u32, payload: &[u8], write_size: usize, buffer: &'b mut [u8; SLOT_SIZE]) -> &'b [u8] {
     let padded = payload.len().next_multiple_of(WORD);
     buffer.fill(ERASED);
     let (header, body) = buffer.split_at_mut(HEADER);
@@ -174,7 +177,7 @@ fn frame<'b>(sequence: u32, payload: &[u8], buffer: &'b mut [u8; SLOT_SIZE]) -> 
     if let Some(place) = buffer.get_mut(end..end + CRC_SIZE) {
         place.copy_from_slice(&crc.to_le_bytes());
     }
-    buffer.get(..end + CRC_SIZE).unwrap_or_default()
+    buffer.get(..(end + CRC_SIZE).next_multiple_of(write_size)).unwrap_or_default()
 }
 
 /// Sequence and payload of a slot, if it holds a whole record.

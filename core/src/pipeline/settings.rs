@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 /// Everything that the pipeline derives from them is basic arithmetic in `R`, so a board that is given the
 /// same numbers derives the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, bound(deserialize = "R: Deserialize<'de> + Default"))]
 pub struct Settings<R> {
     /// \[s\] From tick to tick.
     pub sample_time: R,

@@ -30,16 +30,17 @@ impl<R: Real> State<R> {
     }
 }
 
-/// The constants of eqs (1)-(2), combined as the equations use them.
+/// The constants of eqs (1)-(2), combined as the equations use them, for a body that may be more than a point:
+/// yaw has the inertia I_yy + m L² cos² θ - J sin² θ, J = `tilting_inertia`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBody<R> {
     /// \[N m\] m g L.
     weight_torque: R,
     /// \[N m/rad\] K_sp.
     stiffness: R,
-    /// \[kg m²\] m L².
+    /// \[kg m²\] m L² + J: what yaw gains by cos² θ, and so what the Coriolis torques go with.
     coupling: R,
-    /// \[kg m²\] I_pp, I_yy.
+    /// \[kg m²\] I_pp + m L², and yaw's upright, I_yy - J.
     inertia: PerAxis<R>,
     /// \[N m s/rad\] D_pp, D_yy.
     damping: PerAxis<R>,
@@ -48,7 +49,7 @@ pub struct RigidBody<R> {
 /// What eqs (1)-(2) say at one state: M q̈ = torque - opposing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dynamics<R> {
-    /// \[kg m²\] I_pp + m L², I_yy + m L² cos² θ.
+    /// \[kg m²\] I_pp + m L², I_yy + m L² cos² θ - J sin² θ.
     pub inertia: PerAxis<R>,
     /// \[N m\] Gravity, viscous friction and Coriolis torque, as they oppose motion.
     pub opposing: PerAxis<R>,
@@ -58,11 +59,16 @@ impl<R: Real> RigidBody<R> {
     /// From the plant's constants.
     pub fn new(parameters: &PlantParameters<R>) -> Self {
         let moment = parameters.mass * parameters.center_of_mass;
+        let square = moment * parameters.center_of_mass;
+        let tilting = parameters.tilting_inertia;
         Self {
             weight_torque: moment * parameters.gravity,
             stiffness: parameters.stiffness,
-            coupling: moment * parameters.center_of_mass,
-            inertia: parameters.inertia,
+            coupling: square + tilting,
+            inertia: PerAxis {
+                pitch: parameters.inertia.pitch + square,
+                yaw: parameters.inertia.yaw - tilting,
+            },
             damping: parameters.damping,
         }
     }
@@ -70,12 +76,16 @@ impl<R: Real> RigidBody<R> {
     /// Eqs (1)-(2) at `state`, with K_sp sin θ beside the paper's m g L cos θ.
     #[inline(always)]
     pub fn at(&self, state: &State<R>) -> Dynamics<R> {
-        let (sine, cosine) = state.angle.pitch.sin_cos();
-        let rate = state.rate;
+        self.pitched(state.angle.pitch.sin_cos(), state.rate)
+    }
+
+    /// The same with sine and cosine of the pitch at hand.
+    #[inline(always)]
+    pub(super) fn pitched(&self, (sine, cosine): (R, R), rate: PerAxis<R>) -> Dynamics<R> {
         let coriolis = self.coupling * rate.yaw * sine * cosine;
         Dynamics {
             inertia: PerAxis {
-                pitch: self.inertia.pitch + self.coupling,
+                pitch: self.inertia.pitch,
                 yaw: self.inertia.yaw + self.coupling * (cosine * cosine),
             },
             opposing: PerAxis {

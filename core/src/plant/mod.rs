@@ -1,24 +1,28 @@
-//! The helicopter: eqs (1)-(2) integrated by the classical fourth-order Runge-Kutta method with held volts.
+//! The helicopter: eqs (1)-(2), and what a body that is no point adds, integrated by the classical fourth-order Runge-Kutta method with held volts.
 //!
 //! The simulator and the virtual board fly this; the law never sees it. A step is one tick of the loop or a
 //! whole fraction of it.
 
 mod body;
+mod cable;
 mod lag;
 mod parameters;
 pub mod plausible;
 pub mod presets;
 mod rotors;
+mod tilt;
 
 pub use body::{Dynamics, RigidBody, State};
+pub use cable::Cable;
 pub use lag::decay;
 pub(crate) use lag::{RotorTorque, bilinear_decay, follow, tustin_decay};
 pub use parameters::{Effectiveness, PlantParameters};
-pub use rotors::{IdealRotors, LaggedRotors, Thrust, TorqueOverStep};
+pub use rotors::{EffectOverStep, IdealRotors, LaggedRotors, RotorEffect, Thrust};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::compensated::Compensated;
 use crate::real::{Mask, Real};
+use tilt::Tilt;
 
 /// \[rad/s\] Width of the smooth Coulomb friction: it opposes the rate by F ω/√(ω² + w²). A body held against
 /// it creeps at about this rate, slower than one encoder count a second.
@@ -30,9 +34,11 @@ pub struct Plant<R, T> {
     body: RigidBody<R>,
     coulomb_friction: PerAxis<R>,
     has_friction: bool,
+    tilt: Option<Tilt<R>>,
     /// \[N m\] What turns the body from outside.
     load: PerAxis<R>,
     has_load: bool,
+    cable: Option<Cable<R>>,
     rotors: T,
     /// \[s\] Length of a step.
     step: R,
@@ -57,8 +63,10 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
             body: RigidBody::new(&parameters),
             coulomb_friction: parameters.coulomb_friction,
             has_friction: has_friction(&parameters),
+            tilt: Tilt::of(&parameters),
             load: PerAxis::zero(),
             has_load: false,
+            cable: None,
             rotors,
             step: R::from_f64(step),
             angle: state.angle.map(Compensated::new),
@@ -84,6 +92,7 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         self.body = RigidBody::new(parameters);
         self.coulomb_friction = parameters.coulomb_friction;
         self.has_friction = has_friction(parameters);
+        self.tilt = Tilt::of(parameters);
         self.rotors.become_plant(parameters);
     }
 
@@ -92,6 +101,18 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         self.load = torque;
         let none = |x: R| x.le(R::zero()) & R::zero().le(x);
         self.has_load = !(none(torque.pitch) & none(torque.yaw)).all();
+    }
+
+    /// From now on a cable holds yaw back, if it is stiff at all.
+    pub fn set_cable(&mut self, cable: &Cable<f64>) {
+        let [stiffness, free] = [cable.stiffness, cable.free].map(R::from_f64);
+        self.cable = (cable.stiffness > 0.0).then_some(Cable { stiffness, free });
+    }
+
+    /// The same on the cable of `other`.
+    #[must_use]
+    pub(crate) fn on_cable_of(self, other: &Self) -> Self {
+        Self { cable: other.cable, ..self }
     }
 
     /// One step with `volts` held and `disturbance` \[V\] added to the volts in effect.
@@ -121,10 +142,19 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
     }
 
     #[inline(always)]
-    fn accel(&self, state: &State<R>, torque: PerAxis<R>) -> PerAxis<R> {
+    fn accel(&self, state: &State<R>, effect: RotorEffect<R>) -> PerAxis<R> {
+        let pitched = state.angle.pitch.sin_cos();
+        let torque = match &self.tilt {
+            Some(tilt) => tilt.torque(effect, pitched, state.rate),
+            None => effect.torque,
+        };
         let torque = if self.has_friction { torque.minus(self.friction(state.rate)) } else { torque };
         let torque = if self.has_load { torque.plus(self.load) } else { torque };
-        self.body.at(state).accel(torque)
+        let torque = match &self.cable {
+            Some(cable) => PerAxis { yaw: torque.yaw + cable.torque(state.angle.yaw), ..torque },
+            None => torque,
+        };
+        self.body.pitched(pitched, state.rate).accel(torque)
     }
 
     #[inline(always)]
@@ -139,6 +169,17 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
 }
 
 impl<R: Real> RealPlant<R> {
+    /// In the lanes of `which` it goes on where `other` is: pose, rates and what the rotors do, to the bit.
+    pub fn go_on(&mut self, which: R::Mask, other: &Self) {
+        let sums = |own: PerAxis<Compensated<R>>, others: PerAxis<Compensated<R>>| {
+            own.zip(others, |own, others| Compensated::select(which, others, own))
+        };
+        self.angle = sums(self.angle, other.angle);
+        self.rate = sums(self.rate, other.rate);
+        let volts = self.rotors.volts.zip(other.rotors.volts, |own, others| R::select(which, others, own));
+        self.rotors.volts = volts;
+    }
+
     /// Its rotors turn at once as they do when `volts` \[V\] have been applied for long.
     pub fn set_rotors(&mut self, volts: PerMotor<R>) {
         self.rotors.volts = volts;

@@ -107,6 +107,19 @@ pub struct PlantParameters<R> {
     pub rotor_reaction: PerMotor<R>,
     /// \[N m\] Coulomb friction at speed. Not in the paper.
     pub coulomb_friction: PerAxis<R>,
+    /// \[kg m²\] By how much less inertia yaw has with the body upright than with it level, J_zz - J_xx of the
+    /// body; less than I_yy. Not in the paper, whose body is a point.
+    #[serde(default)]
+    pub tilting_inertia: R,
+    /// \[N m s/V\] Angular momentum of the main rotor along its axis, which tilts with the body, for each volt
+    /// in effect. A rotor that gains it turns the body the other way: `rotor_reaction.main` is minus this on
+    /// a rig that has both. (The tail rotor's lies along the pitch axis, which never tilts.) Not in the paper.
+    #[serde(default)]
+    pub rotor_momentum: R,
+    /// \[-\] 1 where thrust and reaction turn yaw by cos θ of what they do on a level body, as rotors do that
+    /// tilt with it; 0 where they turn it the same at any pitch, as in the paper.
+    #[serde(default)]
+    pub tilting_thrust: R,
 }
 
 /// \[kg m\] m L of a body whose weight is balanced on the pivot: a microgram at a metre.
@@ -138,7 +151,8 @@ impl<R: Real> PlantParameters<R> {
     }
 
     /// The same helicopter as the paper would see it: eqs (1)-(2) alone, no rotor lag, no reaction torque, no
-    /// Coulomb friction, thrust proportional to volts with the slope it has at `volts`.
+    /// Coulomb friction, no terms of an extended body, thrust proportional to volts with the slope it has at
+    /// `volts`.
     #[inline(always)]
     pub fn ideal(&self, volts: R) -> Self {
         Self {
@@ -147,6 +161,9 @@ impl<R: Real> PlantParameters<R> {
             rotor_time_constant: PerMotor::zero(),
             rotor_reaction: PerMotor::zero(),
             coulomb_friction: PerAxis::zero(),
+            tilting_inertia: R::zero(),
+            rotor_momentum: R::zero(),
+            tilting_thrust: R::zero(),
             ..*self
         }
     }
@@ -179,6 +196,9 @@ impl<R: Real> PlantParameters<R> {
             rotor_time_constant: self.rotor_time_constant.map(&mut f),
             rotor_reaction: self.rotor_reaction.map(&mut f),
             coulomb_friction: self.coulomb_friction.map(&mut f),
+            tilting_inertia: f(self.tilting_inertia),
+            rotor_momentum: f(self.rotor_momentum),
+            tilting_thrust: f(self.tilting_thrust),
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use super::PlantParameters;
 use super::presets::Rig;
-use crate::validate::Invalid;
+use crate::validate::{Invalid, require};
 use core::f64::consts::TAU;
 
 /// What one number of a rig may be.
@@ -119,6 +119,15 @@ pub const PLANT: &[Plausible<PlantParameters<f64>>] = plausible! {
     "coulomb_friction.yaw": 0.0..=1.0 "N m" or 1e-3 "mN m",
         "dry friction about yaw",
         |plant| Some(plant.coulomb_friction.yaw);
+    "tilting_inertia": -10.0..=10.0 "kg m²" or 1e-4 "kg cm²" or 1e-6 "g m² or kg mm²",
+        "by how much less inertia yaw has with the body upright, J_zz - J_xx of the body, below inertia.yaw; may be left out (0)",
+        |plant| Some(plant.tilting_inertia);
+    "rotor_momentum": -1.0..=1.0 "N m s/V" or 1e-3 "mN m s/V",
+        "angular momentum of the main rotor for each volt in effect; minus rotor_reaction.main where both are known; may be left out (0)",
+        |plant| Some(plant.rotor_momentum);
+    "tilting_thrust": 0.0..=1.0 "(no unit)",
+        "1 where thrust and reaction turn yaw by cos θ of what they do on a level body, 0 where by all of it; may be left out (0)",
+        |plant| Some(plant.tilting_thrust);
 };
 
 /// Every other number of a rig.
@@ -180,12 +189,19 @@ pub const RIG: &[Plausible<Rig>] = plausible! {
 };
 
 impl PlantParameters<f64> {
-    /// Every constant within its range.
+    /// Every constant within its range, and yaw with some inertia at any pitch.
     ///
     /// # Errors
     /// Names the first that is not.
     pub fn validate(&self) -> Result<(), Invalid> {
-        check(PLANT, self)
+        check(PLANT, self)?;
+        let Self { tilting_inertia, inertia, .. } = *self;
+        require(
+            "tilting_inertia",
+            tilting_inertia,
+            tilting_inertia < inertia.yaw,
+            "below inertia.yaw, in kg m²",
+        )
     }
 }
 

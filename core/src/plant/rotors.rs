@@ -10,8 +10,17 @@ use super::{Effectiveness, PlantParameters};
 use crate::axes::{PerAxis, PerMotor};
 use crate::real::Real;
 
-/// Torque on the body at the beginning, the middle and the end of a step \[N m\].
-pub type TorqueOverStep<R> = [PerAxis<R>; 3];
+/// What the rotors do to a level body at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotorEffect<R> {
+    /// \[N m\] Thrust and reaction.
+    pub torque: PerAxis<R>,
+    /// \[V\] In effect at the main rotor: what its speed goes with.
+    pub main_volts: R,
+}
+
+/// The same at the beginning, the middle and the end of a step.
+pub type EffectOverStep<R> = [RotorEffect<R>; 3];
 
 /// What turns the volts of one step into torque.
 pub trait Thrust<R: Real> {
@@ -23,9 +32,9 @@ pub trait Thrust<R: Real> {
     /// They push as rotors of these constants do; what they do stays, and so do their lags.
     fn become_plant(&mut self, parameters: &PlantParameters<R>);
 
-    /// The torque over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts
+    /// Their effect over a step during which `volts` are applied and `disturbance` \[V\] is added to the volts
     /// in effect, after the lag.
-    fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R>;
+    fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> EffectOverStep<R>;
 }
 
 /// The paper's rotors, eqs (5)-(6): torque follows volts at once.
@@ -44,8 +53,9 @@ impl<R: Real> Thrust<R> for IdealRotors<R> {
     }
 
     #[inline(always)]
-    fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R> {
-        [self.effectiveness.torque(volts.plus(disturbance)); 3]
+    fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> EffectOverStep<R> {
+        let torque = self.effectiveness.torque(volts.plus(disturbance));
+        [RotorEffect { torque, main_volts: volts.main }; 3]
     }
 }
 
@@ -71,8 +81,9 @@ impl<R: Real> LaggedRotors<R> {
     }
 
     #[inline(always)]
-    fn torque(&self, applied: PerMotor<R>, disturbance: PerMotor<R>) -> PerAxis<R> {
-        self.torque.torque(self.volts.plus(disturbance), applied.minus(self.volts))
+    fn effect(&self, applied: PerMotor<R>, disturbance: PerMotor<R>) -> RotorEffect<R> {
+        let torque = self.torque.torque(self.volts.plus(disturbance), applied.minus(self.volts));
+        RotorEffect { torque, main_volts: self.volts.main }
     }
 }
 
@@ -95,12 +106,12 @@ impl<R: Real> Thrust<R> for LaggedRotors<R> {
     }
 
     #[inline(always)]
-    fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> TorqueOverStep<R> {
-        let begin = self.torque(volts, disturbance);
+    fn over_step(&mut self, volts: PerMotor<R>, disturbance: PerMotor<R>) -> EffectOverStep<R> {
+        let begin = self.effect(volts, disturbance);
         self.volts = follow(self.volts, volts, self.half_decay);
-        let middle = self.torque(volts, disturbance);
+        let middle = self.effect(volts, disturbance);
         self.volts = follow(self.volts, volts, self.half_decay);
-        [begin, middle, self.torque(volts, disturbance)]
+        [begin, middle, self.effect(volts, disturbance)]
     }
 }
 
@@ -129,8 +140,8 @@ mod tests {
         let (v, d) = (PerMotor::new(7.0, -3.0), PerMotor::new(0.5, 1.0));
         // The first instant still has the old volts in effect; every later one the new.
         lagged.over_step(v, d);
-        for torque in lagged.over_step(v, d) {
-            assert_eq!(torque, ideal.over_step(v, d)[0]);
+        for effect in lagged.over_step(v, d) {
+            assert_eq!(effect, ideal.over_step(v, d)[0]);
         }
     }
 
@@ -140,6 +151,7 @@ mod tests {
         let mut rotors = LaggedRotors::<f64>::new(&p, 1e-3);
         let [begin, _, _] = rotors.over_step(PerMotor::new(24.0, 0.0), PerMotor::zero());
         // r_y v/τ, before any thrust has built up.
-        assert!((begin.yaw - -7.1e-4 * 24.0 / 0.15).abs() < 1e-12 && begin.pitch == 0.0);
+        let torque = begin.torque;
+        assert!((torque.yaw - -7.1e-4 * 24.0 / 0.15).abs() < 1e-12 && torque.pitch == 0.0);
     }
 }

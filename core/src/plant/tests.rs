@@ -173,10 +173,63 @@ fn a_motor_that_lost_half_its_thrust_gives_half_on_both_axes() {
     let torque = |plant: &PlantParameters<f64>, volts: PerMotor<f64>| {
         let mut rotors = LaggedRotors::new(plant, 1e-3);
         rotors.volts = volts;
-        rotors.over_step(volts, PerMotor::zero())[2]
+        rotors.over_step(volts, PerMotor::zero())[2].torque
     };
     let half = p.with_thrust(PerMotor::new(0.5, 1.0));
     let (main, tail) = (PerMotor::new(9.0, 0.0), PerMotor::new(0.0, 9.0));
     assert_eq!(torque(&half, main), torque(&p, main).scaled(0.5));
     assert_eq!(torque(&half, tail), torque(&p, tail));
+}
+
+/// One that goes on where another is flies on as that one does, to the bit; else it stays what it was.
+#[test]
+fn a_plant_goes_on_where_another_is() {
+    let parameters = presets::AERO_LAB.plant;
+    let begun = || RealPlant::<f32>::new(&parameters, State::default(), 1e-3);
+    let fly = |plant: &mut RealPlant<f32>| {
+        for k in 0..300_u16 {
+            plant.advance(PerMotor::new(f32::from(k % 70) * 0.2, -5.0), PerMotor::zero());
+        }
+    };
+    let mut flown = begun();
+    fly(&mut flown);
+    let [mut same, mut fresh] = [begun(), begun()];
+    same.go_on(true, &flown);
+    fresh.go_on(false, &flown);
+    assert_eq!((same, fresh), (flown, begun()));
+    fly(&mut same);
+    fly(&mut flown);
+    assert_eq!(same, flown);
+    assert!(flown.state().rate.pitch.abs() > 0.01);
+}
+
+/// A cable turns yaw back with its stiffness once it is taut, either way, and a body on it swings without
+/// loss: ½ J ψ̇² + ½ k (|ψ| - free)² stays.
+#[test]
+fn a_cable_holds_yaw_back_once_it_is_taut() {
+    let p = free(&presets::AERO2, 0.0);
+    let cable = Cable { stiffness: 0.004, free: 0.5 };
+    for way in [1.0, -1.0] {
+        let start = State { angle: PerAxis::zero(), rate: PerAxis::new(0.0, way * 0.3) };
+        let mut plant = IdealPlant::<f64>::new(&p, start, 1e-3);
+        plant.set_cable(&cable);
+        let energy = |s: &State<f64>| {
+            let taut = (s.angle.yaw.abs() - cable.free).max(0.0);
+            0.5 * p.inertia.yaw * s.rate.yaw.powi(2) + 0.5 * cable.stiffness * taut * taut
+        };
+        let mut furthest = 0.0_f64;
+        for tick in 0..20_000 {
+            plant.advance(PerMotor::zero(), PerMotor::zero());
+            let now = plant.state();
+            furthest = furthest.max(way * now.angle.yaw);
+            assert!(tick > 1_000 || (now.rate.yaw - start.rate.yaw).abs() < 1e-12, "it is slack as yet");
+            assert!((energy(&now) / energy(&start) - 1.0).abs() < 1e-5);
+        }
+        let taut = 0.3 * (p.inertia.yaw / cable.stiffness).sqrt();
+        assert!((furthest - cable.free - taut).abs() < 1e-4, "{furthest}");
+    }
+    let mut none = IdealPlant::<f64>::new(&p, State::at_rest(PerAxis::new(0.0, 3.0)), 1e-3);
+    none.set_cable(&Cable::default());
+    none.advance(PerMotor::zero(), PerMotor::zero());
+    assert_eq!(none.state().rate, PerAxis::zero());
 }

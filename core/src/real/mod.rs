@@ -21,7 +21,9 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 pub const ROUND_F32: f32 = 12_582_912.0;
 
 /// The outcome of a comparison: one truth value, or one for each lane.
-pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> + Send + Sync + 'static
+{
     /// The same truth value in every lane.
     fn splat(value: bool) -> Self;
     /// Is it true in at least one lane?
@@ -44,6 +46,9 @@ pub trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
 {
     /// What a comparison gives.
     type Mask: Mask;

@@ -12,7 +12,7 @@ import struct
 import sys
 import zlib
 
-MESSAGES_VERSION, RECORD_VERSION = 4, 6
+MESSAGES_VERSION, RECORD_VERSION = 4, 7
 # Of the boot that messages are meant for.
 NONCE = 0x89AB_CDEF
 
@@ -56,7 +56,7 @@ def controller(f):
 def numbered_record():
     """`Parameters` with everything that may be there: see record.rs."""
     some, f = b"\x01", counting()
-    settings = f(1) + f(22) + f(4) + f(2)  # sample time, model, effectiveness, volts limit
+    settings = f(1) + f(25) + f(4) + f(2)  # sample time, model, effectiveness, volts limit
     settings += some + f(4)  # current limit
     settings += controller(f)
     encoders = f(1) + signed(-1) + f(1) + signed(300)

@@ -78,6 +78,9 @@ pub(crate) fn numbered() -> Parameters {
         rotor_time_constant: motors(n),
         rotor_reaction: motors(n),
         coulomb_friction: axes(n),
+        tilting_inertia: n(),
+        rotor_momentum: n(),
+        tilting_thrust: n(),
     };
     let limits = |n: Next<'_>| Limits {
         pitch: n(),

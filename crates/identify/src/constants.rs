@@ -4,7 +4,7 @@ use twinrotor::plant::PlantParameters;
 use twinrotor_sim::{Error, Outcome};
 
 /// How many constants a plant has.
-pub const COUNT: usize = 22;
+pub const COUNT: usize = 25;
 
 /// One constant of the plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +75,9 @@ pub const CONSTANTS: [Constant; COUNT] = [
     free("rotor_reaction.tail", "N m s/V", Reach::PitchEither(1.0)),
     free("coulomb_friction.pitch", "N m", Reach::Pitch(2.0)),
     free("coulomb_friction.yaw", "N m", Reach::Yaw(2.0)),
+    Constant { usual: false, ..free("tilting_inertia", "kg m²", Reach::YawEither(0.99)) },
+    Constant { usual: false, ..free("rotor_momentum", "N m s/V", Reach::YawEither(1.0)) },
+    known("tilting_thrust", "", 0.0, 1.0),
 ];
 
 /// \[V\] Where the sign of a thrust counts.

@@ -144,11 +144,12 @@ impl<R: Real> RigLoop<R> {
 
     /// As [`RigLoop::new`], with an encoder phase [counts, 0..1] that may differ from lane to lane.
     pub fn assemble(
-        plant: RealPlant<R>,
+        mut plant: RealPlant<R>,
         hardware: &Hardware,
         encoder_phase: PerAxis<R>,
         settings: &Settings<R>,
     ) -> Self {
+        plant.set_cable(&hardware.wear.cable);
         let encoders = Encoders::<R>::new(hardware.encoder_counts, encoder_phase);
         let angle_per_count: PerAxis<R> = hardware.believed_counts.map(angle_per_count);
         let counts = encoders.counts(plant.state().angle);
@@ -196,6 +197,7 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
     fn befall(&mut self, now: &Now) {
         self.plant.set_load(now.torque.cast());
         self.worn.set_noise(now.noise.cast());
+        self.worn.set_jitter(now.jitter);
         self.supply = now.supply(self.sound_supply);
     }
 
@@ -324,6 +326,7 @@ impl ClosedLoop<f32> for BoardLoop {
     fn befall(&mut self, now: &Now) {
         self.bench.set_load(now.torque.cast());
         self.bench.worn.set_noise(now.noise.cast());
+        self.bench.worn.set_jitter(now.jitter);
         self.bench.supply = now.supply(self.supply);
     }
 

@@ -10,7 +10,7 @@ use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition};
 
-use crate::metrics::{LastOutside, Overshoot};
+use crate::metrics::{Overshoot, Settling};
 
 /// \[rad\] An error beyond which a flight has diverged: a turn.
 const DIVERGED: f64 = core::f64::consts::TAU;
@@ -46,7 +46,7 @@ pub struct Rules {
 /// The sums of a flight in every lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Sums<R: Real> {
-    last_outside_2: PerAxis<LastOutside<R>>,
+    settling_2: PerAxis<Settling<R>>,
     overshoot: PerAxis<Overshoot<R>>,
     hold_squares: PerAxis<R>,
     disturbed_squares: PerAxis<R>,
@@ -61,8 +61,8 @@ pub struct Sums<R: Real> {
 /// The sums of one flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flown {
-    /// \[ticks\] The last tick before the disturbance with an error beyond 2 % of the goal; -1 for none.
-    pub last_outside_2: PerAxis<f32>,
+    /// Into 2 % of the goal before the disturbance.
+    pub settling_2: PerAxis<Settling<f32>>,
     /// \[rad\] Most beyond the goal before the disturbance.
     pub overshoot: PerAxis<f32>,
     /// \[rad²\] Squared errors in the [`HOLD`] ticks before the disturbance.
@@ -86,7 +86,7 @@ impl<R: Real<Scalar = f32>> Sums<R> {
         let zero = PerAxis::both(R::zero());
         let none = R::Mask::splat(false);
         Self {
-            last_outside_2: rules.band(0.02).map(LastOutside::new),
+            settling_2: rules.band(0.02).map(Settling::new),
             overshoot: rules.goal.map(Overshoot::new),
             hold_squares: zero,
             disturbed_squares: zero,
@@ -103,7 +103,7 @@ impl<R: Real<Scalar = f32>> Sums<R> {
     pub fn lane(&self, lane: usize) -> Flown {
         let of = |x: R| x.lane(lane);
         Flown {
-            last_outside_2: self.last_outside_2.map(|last| of(last.tick)),
+            settling_2: self.settling_2.map(|settling| settling.lane(lane)),
             overshoot: self.overshoot.map(|overshoot| of(overshoot.most)),
             hold_squares: self.hold_squares.map(of),
             disturbed_squares: self.disturbed_squares.map(of),
@@ -160,8 +160,8 @@ pub fn fly<R: Real<Scalar = f32>>(
             s.disturbed_squares = s.disturbed_squares.plus(square);
         } else {
             let now = R::from_f64(f64::from(tick));
-            s.last_outside_2.pitch.add(now, error.pitch.abs());
-            s.last_outside_2.yaw.add(now, error.yaw.abs());
+            s.settling_2.pitch.add(now, error.pitch.abs());
+            s.settling_2.yaw.add(now, error.yaw.abs());
             s.overshoot.pitch.add(error.pitch);
             s.overshoot.yaw.add(error.yaw);
             let outside = error.zip(band_5, |e, band| band.lt(e.abs()));

@@ -37,6 +37,8 @@ pub mod rig;
 #[cfg(feature = "std")]
 pub mod scenario;
 #[cfg(feature = "std")]
+pub mod table;
+#[cfg(feature = "std")]
 pub mod toml;
 
 #[cfg(feature = "std")]

@@ -97,29 +97,6 @@ pub struct Step {
 /// Settling bands, as parts of the step.
 const BANDS: [f64; 2] = [0.02, 0.05];
 
-/// When a magnitude was last outside a band, in whole ticks.
-#[derive(Debug, Clone, Copy)]
-pub struct LastOutside<R> {
-    band: R,
-    /// \[ticks\] The last tick outside; -1 for none.
-    pub tick: R,
-}
-
-impl<R: Real> LastOutside<R> {
-    /// Of a band from 0 to `band`; never outside yet.
-    pub fn new(band: R) -> Self {
-        Self { band, tick: R::from_f64(-1.0) }
-    }
-
-    /// Takes the magnitude at a tick. Is it outside?
-    #[inline(always)]
-    pub fn add(&mut self, tick: R, magnitude: R) -> R::Mask {
-        let outside = self.band.lt(magnitude);
-        self.tick = R::select(outside, tick, self.tick);
-        outside
-    }
-}
-
 /// How far an axis went beyond its goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Overshoot<R> {
@@ -144,37 +121,66 @@ impl<R: Real> Overshoot<R> {
 
 /// When an error was last outside a band, to a part of a tick: between the last tick outside and the next one
 /// the error is taken to be straight.
-#[derive(Debug, Clone, Copy)]
-struct Settling<R> {
-    last: LastOutside<R>,
-    /// The error then, and a tick later.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settling<R> {
+    /// From 0 to this, the unit of the error.
+    band: R,
+    /// \[ticks\] The last one outside; -1 for none.
+    last: R,
+    /// The size of the error then, and a tick later.
     error: [R; 2],
     was_outside: R,
 }
 
 impl<R: Real> Settling<R> {
-    fn new(band: R) -> Self {
-        Self { last: LastOutside::new(band), error: [R::zero(); 2], was_outside: R::zero() }
+    /// Of a band from 0 to `band`; never outside yet.
+    pub fn new(band: R) -> Self {
+        Self { band, last: R::from_f64(-1.0), error: [R::zero(); 2], was_outside: R::zero() }
     }
 
+    /// Takes the size of the error at a tick, counted from 0.
     #[inline(always)]
-    fn add(&mut self, tick: R, error: R) {
-        let outside = self.last.add(tick, error);
+    pub fn add(&mut self, tick: R, size: R) {
+        let outside = self.band.lt(size);
         let entering = !outside & R::zero().lt(self.was_outside);
-        self.error[0] = R::select(outside, error, self.error[0]);
-        self.error[1] = R::select(entering, error, self.error[1]);
+        self.last = R::select(outside, tick, self.last);
+        self.error[0] = R::select(outside, size, self.error[0]);
+        self.error[1] = R::select(entering, size, self.error[1]);
         self.was_outside = R::select(outside, R::one(), R::zero());
     }
 
-    /// \[ticks\] When the error came in for good, if it was inside at tick `last`.
-    fn time(&self, lane: usize, last: u32) -> Option<f64> {
+    /// \[ticks\] When the error of a lane came in for good, 0 if it never was outside; `None` if it was still
+    /// outside at the last of all ticks, `last`.
+    pub fn time(&self, lane: usize, last: u32) -> Option<f64> {
         let of = |x: R| -> f64 { x.lane(lane).into() };
-        let outside = of(self.last.tick);
+        let outside = of(self.last);
         if outside < 0.0 {
             return Some(0.0);
         }
         let [before, after] = self.error.map(of);
-        (outside < f64::from(last)).then(|| outside + (before - of(self.last.band)) / (before - after))
+        (outside < f64::from(last)).then(|| outside + (before - of(self.band)) / (before - after))
+    }
+}
+
+impl<R: Real<Scalar = f32>> Settling<R> {
+    /// That of one lane.
+    pub fn lane(&self, lane: usize) -> Settling<f32> {
+        let of = |x: R| x.lane(lane);
+        let Self { band, last, error, was_outside } = *self;
+        Settling { band: of(band), last: of(last), error: error.map(of), was_outside: of(was_outside) }
+    }
+}
+
+impl Settling<f32> {
+    /// All that it is, to be carried elsewhere.
+    pub const fn numbers(&self) -> [f32; 5] {
+        let Self { band, last, error: [before, after], was_outside } = *self;
+        [band, last, before, after, was_outside]
+    }
+
+    /// The other way round.
+    pub const fn of_numbers([band, last, before, after, was_outside]: [f32; 5]) -> Self {
+        Self { band, last, error: [before, after], was_outside }
     }
 }
 
@@ -345,7 +351,7 @@ impl Report {
 /// One axis in numbers. What needs a step in the reference is `None` without one, or when it never settles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AxisReport {
-    /// \[s\] From the last step to when the error was last beyond 2 % of it.
+    /// \[s\] From the last step to when the error came within 2 % of it for good.
     pub settling_time_2: Option<f64>,
     /// \[s\] The same at 5 %.
     pub settling_time_5: Option<f64>,

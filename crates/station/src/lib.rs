@@ -21,6 +21,7 @@ pub mod flown;
 pub mod heard;
 pub mod image;
 pub mod pace;
+pub mod recording;
 pub mod session;
 pub mod simulated;
 pub mod switch_off;

@@ -102,6 +102,17 @@ pub fn payload(bytes: &[u8]) -> Outcome<&[u8]> {
     Ok(payload)
 }
 
+/// The run that a checkpoint belongs to.
+///
+/// # Errors
+///
+/// If the bytes are no checkpoint of this version or are damaged.
+pub fn identity(bytes: &[u8]) -> Outcome<Identity> {
+    let (identity, _): (Identity, &[u8]) =
+        postcard::take_from_bytes(payload(bytes)?).map_err(|_| damaged())?;
+    Ok(identity)
+}
+
 /// The state of a run. That it is one which a search can go on from is for the search to say.
 ///
 /// # Errors

@@ -24,6 +24,7 @@ pub(crate) const BOARD: Board = Board {
     supply_channel: 11,
     supply_full_scale: 3.3 * 11.0,
     button: Some(Button { pin: "PA0", pressed_high: true }),
+    lit_high: true,
     wiring: WIRING,
 };
 

@@ -19,18 +19,20 @@ pub(crate) struct Board {
     /// \[ns\] Between the two outputs of a half bridge, neither is on.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) dead_time_ns: u32,
-    /// ADC1's channel at [`Wiring::supply`], 10 to 15.
+    /// ADC1's channel at [`Wiring::supply`], 0 to 15.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) supply_channel: u8,
     /// \[V\] The amplifiers' supply at the converter's full scale.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) supply_full_scale: f32,
-    /// The user button, the emergency stop of a simulated rig. It has a resistor on the board.
+    /// The user button, the emergency stop of a simulated rig.
     #[cfg_attr(
         all(target_os = "none", not(feature = "simulated")),
         expect(dead_code, reason = "of a simulated rig alone")
     )]
     pub(crate) button: Option<Button>,
+    /// The level that lights the status LED.
+    pub(crate) lit_high: bool,
     /// What is connected where.
     #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
     pub(crate) wiring: Wiring,
@@ -186,7 +188,7 @@ pub(crate) struct Wiring {
     pub(crate) current_limit: &'static str,
     /// The amplifiers' supply, divided.
     pub(crate) supply: &'static str,
-    /// The status LED: high is on.
+    /// The status LED.
     pub(crate) led: &'static str,
 }
 
@@ -213,12 +215,12 @@ impl Pin {
     }
 }
 
-/// A DMA stream, by numbers.
+/// A DMA stream, or channel, by numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Stream {
     /// 1 or 2.
     pub(crate) controller: u8,
-    /// 0 to 7.
+    /// As it is named: 0 to 7.
     pub(crate) number: u8,
 }
 
@@ -230,30 +232,6 @@ impl Stream {
         let (controller, number) = (bytes[3] - b'0', bytes[7] - b'0');
         assert!((controller == 1 || controller == 2) && number < 8);
         Self { controller, number }
-    }
-}
-
-#[cfg(target_os = "none")]
-impl Stream {
-    const fn unit(self) -> embassy_stm32::pac::dma::Dma {
-        if self.controller == 1 { embassy_stm32::pac::DMA1 } else { embassy_stm32::pac::DMA2 }
-    }
-
-    /// Its registers.
-    pub(crate) const fn registers(self) -> embassy_stm32::pac::dma::St {
-        self.unit().st(self.number as usize)
-    }
-
-    /// Takes back what its flags say, without which it does not start.
-    pub(crate) fn forget_flags(self) {
-        let (half, place) = (usize::from(self.number / 4), usize::from(self.number % 4));
-        self.unit().ifcr(half).write(|w| {
-            w.set_feif(place, true);
-            w.set_dmeif(place, true);
-            w.set_teif(place, true);
-            w.set_htif(place, true);
-            w.set_tcif(place, true);
-        });
     }
 }
 
@@ -343,6 +321,8 @@ macro_rules! wiring {
     };
 }
 
+#[cfg(any(feature = "black-pill", not(target_os = "none")))]
+pub(crate) mod black_pill;
 #[cfg(any(feature = "f405", not(target_os = "none")))]
 pub(crate) mod f405;
 #[cfg(any(feature = "f407", not(target_os = "none")))]
@@ -351,7 +331,11 @@ pub(crate) mod f407;
 pub(crate) mod nucleo_f411;
 #[cfg(any(feature = "nucleo-f446", not(target_os = "none")))]
 pub(crate) mod nucleo_f446;
+#[cfg(any(feature = "nucleo-g474", not(target_os = "none")))]
+pub(crate) mod nucleo_g474;
 
+#[cfg(all(target_os = "none", feature = "black-pill"))]
+pub(crate) use black_pill::*;
 #[cfg(all(target_os = "none", feature = "f405"))]
 pub(crate) use f405::*;
 #[cfg(all(target_os = "none", feature = "f407"))]
@@ -360,3 +344,5 @@ pub(crate) use f407::*;
 pub(crate) use nucleo_f411::*;
 #[cfg(all(target_os = "none", feature = "nucleo-f446"))]
 pub(crate) use nucleo_f446::*;
+#[cfg(all(target_os = "none", feature = "nucleo-g474"))]
+pub(crate) use nucleo_g474::*;

@@ -22,6 +22,7 @@ pub(crate) const BOARD: Board = Board {
     supply_channel: 10,
     supply_full_scale: 3.3 * 11.0,
     button: Some(Button { pin: "PC13", pressed_high: false }),
+    lit_high: true,
     wiring: WIRING,
 };
 

@@ -2,7 +2,7 @@
 
 use crate::boards::BOARD;
 use crate::clock::{TIMER, TOP};
-use crate::pins;
+use crate::{family, pins};
 use embassy_stm32::pac::timer::vals::{Bkp, Ccds, Lock, Ocm, Ossi, Ossr};
 use embassy_stm32::peripherals::TIM1;
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
@@ -87,6 +87,7 @@ pub(crate) fn configure() {
         w.set_ossr(Ossr::IDLE_LEVEL);
         w.set_bke(0, true);
         w.set_bkp(0, Bkp::ACTIVE_HIGH);
+        family::filter_break(w);
         w.set_lock(Lock::LEVEL1);
     });
     let set = TIMER.bdtr().read();

@@ -2,57 +2,18 @@
 
 use super::Sensed;
 use crate::boards::{self, BOARD};
+use crate::family::converter::Converter;
 use crate::pins;
-use embassy_stm32::adc::Adc;
+use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Flex, Input};
-use embassy_stm32::pac;
-use embassy_stm32::pac::adc::vals::SampleTime;
 use embassy_stm32::peripherals::ADC1;
-
-/// The converter of the amplifiers' supply.
-const CONVERTER: pac::adc::Adc = pac::ADC1;
-
-/// \[V / 3.3 V\] The converter's supply, against which it measures, by the chip's internal reference: boards
-/// of 3.0 V are ordinary. Not a number where that cannot be, which the core takes for a supply that jumps.
-fn own_supply(adc: &Adc<'static, ADC1>) -> f32 {
-    const REFERENCE: u8 = 17;
-    const SETTLING: u16 = 4;
-    const READINGS: u16 = 16;
-    let _on = adc.enable_vrefint();
-    // 480 + 12 cycles: 23 µs. The reference wants 10, and as long to start.
-    CONVERTER.smpr1().modify(|w| w.set_smp(usize::from(REFERENCE) - 10, SampleTime::CYCLES480));
-    CONVERTER.sqr3().modify(|w| w.set_sq(0, REFERENCE));
-    let mut sum = 0;
-    for reading in 0..SETTLING + READINGS {
-        CONVERTER.cr2().modify(|w| w.set_swstart(true));
-        while !CONVERTER.sr().read().eoc() {}
-        let code = CONVERTER.dr().read().data();
-        sum += if reading < SETTLING { 0 } else { code };
-    }
-    let supply = f32::from(calibrated() * READINGS) / f32::from(sum);
-    // 2.7 to 3.8 V: what the chip runs from, and what that does to the reading.
-    if (0.8..1.15).contains(&supply) { supply } else { f32::NAN }
-}
-
-/// The code of the internal reference at 3.3 V, from the factory (datasheet DS8626, table 72), if this chip
-/// has one there; the typical one otherwise.
-fn calibrated() -> u16 {
-    const FROM_FACTORY: *const u16 = 0x1FFF_7A2A as *const u16;
-    /// 1.18 to 1.24 V, and a percent.
-    const POSSIBLE: core::ops::Range<u16> = 1450..1554;
-    const TYPICAL: u16 = 1501;
-    #[expect(unsafe_code, reason = "a constant in the chip's own memory")]
-    // SAFETY: aligned, and always readable.
-    let code = unsafe { FROM_FACTORY.read_volatile() };
-    if POSSIBLE.contains(&code) { code } else { TYPICAL }
-}
 
 /// The inputs.
 pub(crate) struct Senses {
     _emergency_stop: Flex<'static>,
     _current_limit: Input<'static>,
     _supply: Flex<'static>,
-    _adc: Adc<'static, ADC1>,
+    converter: Converter,
     /// \[V\] Of the amplifiers' supply, for a code of the converter.
     volts_per_code: f32,
 }
@@ -63,31 +24,25 @@ impl Senses {
         emergency_stop: Flex<'static>,
         current_limit: Input<'static>,
         supply: Flex<'static>,
-        adc: Adc<'static, ADC1>,
+        adc: Peri<'static, ADC1>,
     ) -> Self {
-        const CHANNEL: u8 = BOARD.supply_channel;
-        let volts_per_code = BOARD.supply_full_scale / 4095.0 * own_supply(&adc);
-        // 84 + 12 cycles of a quarter of the APB2's clock, at most 21 MHz: 4.6 µs, long enough for 9 k ohm.
-        CONVERTER.smpr1().modify(|w| w.set_smp(usize::from(CHANNEL) - 10, SampleTime::CYCLES84));
-        CONVERTER.sqr3().modify(|w| w.set_sq(0, CHANNEL));
-        CONVERTER.cr2().modify(|w| w.set_swstart(true));
+        let (converter, own_supply) = Converter::start::<{ BOARD.supply_channel }>(adc);
+        let volts_per_code = BOARD.supply_full_scale / 4095.0 * own_supply;
         Self {
             _emergency_stop: emergency_stop,
             _current_limit: current_limit,
             _supply: supply,
-            _adc: adc,
+            converter,
             volts_per_code,
         }
     }
 
     /// What the last conversion gave; starts the next.
     pub(crate) fn read(&mut self) -> Sensed {
-        let fresh = CONVERTER.sr().read().eoc() && boards::encoders_count();
-        let code = CONVERTER.dr().read().data();
-        CONVERTER.cr2().modify(|w| w.set_swstart(true));
+        let (code, fresh) = self.converter.take();
         Sensed {
             supply: f32::from(code) * self.volts_per_code,
-            fresh,
+            fresh: fresh && boards::encoders_count(),
             emergency_stop: pins::emergency_stop(),
             current_limit: pins::current_limit(),
         }

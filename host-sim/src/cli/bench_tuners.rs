@@ -4,7 +4,7 @@ use super::common::{Common, bar, drawn, no_effect, within};
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
-use crate::files::export::{self, Column, Table};
+use crate::files::export;
 use crate::files::figure;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,6 +14,7 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::table::{Column, Table};
 use twinrotor_tune::contest::{Peer, Standing, best_known, standings};
 use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::integral::Objective;
@@ -104,7 +105,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         outputs.write(path, &figure::bytes(&figure, path)?);
     }
     if let Some(path) = &args.export {
-        outputs.write(path, &runs(&peers).bytes(path)?);
+        outputs.write(path, &export::bytes(&runs(&peers), path)?);
     }
     if args.common.json {
         print_json(&Document {

@@ -37,7 +37,10 @@ examples! {
         "host-sim replay run.csv --preset my.toml --gains my-gains.toml --plot replay.svg";
     COMPARE "own-controller.md":
         "host-sim compare --preset aero2\n\
-         \x20 host-sim compare --preset aero2 --controllers ours,mine.toml --scenario gusts.toml --hot";
+         \x20 host-sim compare --preset aero2 --controllers ours,mine.toml --scenario gusts.toml --hot\n\
+         \x20 host-sim compare --preset aero2 --plants 10000 --shard 3/16 --out part3.bin";
+    MERGE "cluster.md":
+        "host-sim merge part*.bin                        # after compare --shard";
     PARETO "tuning.md":
         "host-sim pareto --preset aero2 --out front";
     MARGINS "rig-law.md":

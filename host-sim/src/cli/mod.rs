@@ -79,6 +79,9 @@ enum Command {
     /// Controllers side by side on hundreds of plants that none was tuned on
     #[command(after_help = examples::COMPARE)]
     Compare(compare::Args),
+    /// The report of a comparison whose plants several machines have flown, each a part
+    #[command(after_help = examples::MERGE)]
+    Merge(compare::merge::Args),
     /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
     #[command(after_help = examples::PARETO)]
     Pareto(pareto::Args),
@@ -111,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Merge(args) => compare::merge::run(&args),
         Command::Margins(args) => margins::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::BenchTuners(args) => bench_tuners::run(&args),

@@ -5,7 +5,7 @@ use super::{choices, print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files;
-use crate::files::export::{Column, Table};
+use crate::files::export;
 use crate::files::figure;
 use crate::files::output::{self, Outputs};
 use crate::stop;
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::table::{Column, Table};
 use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::optimise::{Bounds, Compromise, Draws, knee, pareto_front};
 use twinrotor_tune::robust::{self, Score, Terms, Trial};
@@ -193,7 +194,7 @@ fn write(
         table.push(name, Column::Numbers(front.iter().map(|p| p.costs[k]).collect()));
     }
     let path = args.out.join("front.csv");
-    outputs.write(&path, &table.bytes(&path)?);
+    outputs.write(&path, &export::bytes(&table, &path)?);
     let title = format!("{}: the trade-off on {} plants", named.name, args.plants);
     let path = args.out.join("front.svg");
     outputs.write(&path, &figure::bytes(&figures::front(&title, front, chosen), &path)?);

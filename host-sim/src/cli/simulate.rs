@@ -5,7 +5,7 @@ use super::common::{Common, drawn, no_effect, pair, refuse_in_ideal_world, truth
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::files;
-use crate::files::export::{self, Table};
+use crate::files::export;
 use crate::files::figure;
 use crate::files::output::Outputs;
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -22,6 +22,7 @@ use twinrotor_sim::flight::{self, BoardState, COLUMNS, Extent, Fidelity, LOG_COL
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Report;
 use twinrotor_sim::scenario::{Disturbance, Scenario};
+use twinrotor_sim::table::Table;
 
 /// The laws there are, each with what it is.
 fn laws() -> PossibleValuesParser {
@@ -150,10 +151,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         outputs.write(path, Table::of_flight(&flown.rows, &COLUMNS).to_csv().as_bytes());
     }
     if let Some(path) = &args.log {
-        outputs.write(path, &Table::of_flight(&flown.rows, &LOG_COLUMNS).bytes(path)?);
+        outputs.write(path, &export::bytes(&Table::of_flight(&flown.rows, &LOG_COLUMNS), path)?);
     }
     if let Some(path) = &args.export {
-        outputs.write(path, &Table::of_flight(&flown.rows, &COLUMNS).bytes(path)?);
+        outputs.write(path, &export::bytes(&Table::of_flight(&flown.rows, &COLUMNS), path)?);
     }
     let flown_on = args.true_rig.as_ref().map_or_else(String::new, |rig| format!("{rig} taken for "));
     let title = format!("{flown_on}{}, scenario {}, {} gains", named.name, scenario.name, args.gains);

@@ -109,7 +109,7 @@ fn alignment(column: usize) -> CellAlignment {
 }
 
 /// `head` and a list after it, in lines that fit the screen; those after the first stand further in.
-pub(super) fn listed(head: &str, items: &[&str]) -> String {
+pub(super) fn listed(head: &str, items: &[impl std::fmt::Display]) -> String {
     const INDENT: &str = "      ";
     let width = match STYLE.get() {
         Some(Style::Boxed(width)) => *width,

@@ -4,7 +4,6 @@ pub mod checkpoint;
 pub mod export;
 pub mod figure;
 pub mod output;
-pub mod recording;
 mod target;
 
 use crate::error::{Failure, Outcome};

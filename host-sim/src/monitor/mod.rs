@@ -18,7 +18,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
+use twinrotor::telemetry::Frame;
 use twinrotor_station::pace::Pace;
+use twinrotor_web::desk::recorder::Recorder;
 use twinrotor_web::desk::{Choice, Desk};
 
 /// Most visitors at a time, files included.
@@ -32,6 +34,14 @@ pub enum Board {
     Line(String, Box<dyn Line>),
 }
 
+/// How it has ended.
+pub struct Ended {
+    /// Whether the motors were seen to be off, or nothing if none could have turned.
+    pub seen: Option<bool>,
+    /// What was recorded.
+    pub frames: Vec<Frame>,
+}
+
 /// A place that is ready to be visited.
 pub struct Monitor {
     listener: TcpListener,
@@ -40,17 +50,18 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Listens at an address; port 0 is any free one.
+    /// Listens at an address; port 0 is any free one. Of every tick so many are recorded at most, if any.
     ///
     /// # Errors
     ///
     /// If it cannot, or the board's choice is none.
-    pub fn new(at: SocketAddr, board: Board) -> Outcome<Self> {
+    pub fn new(at: SocketAddr, board: Board, record: Option<usize>) -> Outcome<Self> {
         let failed = |error: std::io::Error| Failure::Run(format!("--listen {at}: {error}"));
         let listener = TcpListener::bind(at).map_err(failed)?;
         let door = Door::new(listener.local_addr().map_err(failed)?)
             .map_err(|error| Failure::Run(format!("no random numbers for a token: {error}")))?;
-        let (desk, way) = match board {
+        let recorder = record.map(Recorder::of_program).unwrap_or_default();
+        let (mut desk, way) = match board {
             Board::Simulated(choice) => {
                 let mut desk = Desk::new(&choice).map_err(Failure::of_flag)?;
                 desk.take_off();
@@ -58,6 +69,7 @@ impl Monitor {
             }
             Board::Line(name, line) => (Desk::at_a_line(), Way::There(name, Some(line))),
         };
+        desk.recorder = recorder;
         Ok(Self { listener, door, room: Room::new(desk, way) })
     }
 
@@ -67,13 +79,12 @@ impl Monitor {
         self.door.url()
     }
 
-    /// Until a signal asks to stop; then the motors are switched off. Whether that was seen, or nothing if
-    /// none could have turned.
+    /// Until a signal asks to stop; then the motors are switched off.
     ///
     /// # Errors
     ///
     /// If no thread can be made.
-    pub fn run(self) -> Outcome<Option<bool>> {
+    pub fn run(self) -> Outcome<Ended> {
         let Self { listener, door, mut room } = self;
         let (to_room, asks) = channel();
         std::thread::Builder::new()
@@ -84,7 +95,7 @@ impl Monitor {
         let seen = room.close();
         // What the pages are told last has to reach them.
         std::thread::sleep(Duration::from_millis(30));
-        Ok(seen)
+        Ok(Ended { seen, frames: room.recorded() })
     }
 }
 

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
 use std::time::{Duration, Instant};
 use twinrotor::supervisor::Request as Wanted;
+use twinrotor::telemetry::Frame;
 use twinrotor_sim::Error;
 use twinrotor_station::pace::Pace;
 use twinrotor_web::desk::Desk;
@@ -123,6 +124,11 @@ impl Room {
             Way::There(_, Some(line)) => line::switch_off(&mut **line),
             Way::There(_, None) => false,
         })
+    }
+
+    /// What was recorded, once.
+    pub(super) fn recorded(&mut self) -> Vec<Frame> {
+        std::mem::take(&mut self.desk.recorder).into_frames()
     }
 
     fn take(&mut self, ask: Ask) {

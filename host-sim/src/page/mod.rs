@@ -7,6 +7,9 @@ mod bundle;
 pub mod served;
 
 use bundle::Module;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use std::io::Write;
 
 /// The page's own scripts.
 macro_rules! modules {
@@ -15,10 +18,12 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 24] = modules![
+const MODULES: [Module; 27] = modules![
     "app.js",
     "attempt.js",
     "base85.js",
+    "boot.js",
+    "carried.js",
     "clock.js",
     "control.js",
     "dom.js",
@@ -32,6 +37,7 @@ const MODULES: [Module; 24] = modules![
     "mesh.js",
     "player.js",
     "plots.js",
+    "recorder.js",
     "rig.js",
     "search.js",
     "serial.js",
@@ -67,11 +73,19 @@ pub fn page(module: &[u8], plot: &[u8]) -> String {
     let parts = [
         ("/*STYLE*/", style()),
         ("/*WASM*/", base85::encode(module)),
-        ("/*WORKER*/", bundle::bundle(&MODULES, "tuner-worker.js")),
+        ("/*WORKER*/", script("tuner-worker.js")),
         ("/*UPLOT*/", base85::encode(plot)),
-        ("/*APP*/", bundle::bundle(&MODULES, "app.js")),
+        ("/*APP*/", script("app.js")),
+        ("/*BOOT*/", bundle::bundle(&MODULES, "boot.js")),
     ];
     filled(&flush(PAGE), &parts)
+}
+
+/// A script of the page's own, packed.
+fn script(entry: &str) -> String {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+    packer.write_all(bundle::bundle(&MODULES, entry).as_bytes()).expect("memory takes what is written");
+    base85::encode(&packer.finish().expect("memory takes what is written"))
 }
 
 /// With uPlot's licence, which is its script's, too.
@@ -111,7 +125,7 @@ mod tests {
         }
         let of = |text: &str| page.matches(text).count();
         // A script that held the end of one would end there.
-        assert_eq!((of("<script"), of("</script>")), (4, 4));
+        assert_eq!((of("<script"), of("</script>")), (5, 5));
         for outside in ["src=\"", "href=\"http", "await import(", "@import", "fetch(", "XMLHttpRequest"] {
             assert_eq!(of(outside), 0, "{outside}");
         }

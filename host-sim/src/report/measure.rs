@@ -6,7 +6,8 @@ use twinrotor::axes::PerAxis;
 use twinrotor::plant::presets::Rig;
 use twinrotor_sim::flight::{self, Fidelity, Flight, Plan, Row, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
-use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::metrics::Settling;
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
 
 /// A scenario of the paper's by name, flown from rest in the paper's world.
 pub(super) fn fly(rig: &Rig, gains: &GainsFile, scenario: &str, seed: u64) -> Outcome<Flight> {
@@ -33,10 +34,15 @@ pub(super) fn errors(row: &Row) -> PerAxis<f64> {
     row.reference.minus(row.state.angle)
 }
 
-/// \[s\] When an axis' error was last beyond `part` of `step` \[rad\].
-pub(super) fn settled(flight: &Flight, step: f64, part: f64, of: fn(PerAxis<f64>) -> f64) -> f64 {
-    let beyond = |row: &&Row| of(errors(row)).abs() > part * step;
-    flight.rows.iter().rev().find(beyond).map_or(0.0, |row| row.time)
+/// \[s\] When an axis' error came within `band` \[deg\] for good; infinity if it did not.
+pub(super) fn within_deg(flight: &Flight, band: f64, of: fn(PerAxis<f64>) -> f64) -> f64 {
+    let mut settling = Settling::new(band.to_radians());
+    let mut last = 0;
+    for (tick, row) in (0_u32..).zip(&flight.rows) {
+        settling.add(f64::from(tick), of(errors(row)).abs());
+        last = tick;
+    }
+    settling.time(0, last).map_or(f64::INFINITY, |ticks| ticks * SAMPLE_TIME)
 }
 
 /// \[deg\] Root mean square of an axis' error from `from` to `to` \[s\].
@@ -55,7 +61,7 @@ pub(super) fn peak_deg(flight: &Flight, [from, to]: [f64; 2], of: fn(PerAxis<f64
 /// \[V² s\] ∫ of both motors' squared volts: what the electricity costs.
 pub(super) fn effort(flight: &Flight) -> f64 {
     let squares = flight.rows.iter().map(|r| r.volts.main.powi(2) + r.volts.tail.powi(2));
-    squares.sum::<f64>() * twinrotor_sim::scenario::SAMPLE_TIME
+    squares.sum::<f64>() * SAMPLE_TIME
 }
 
 pub(super) fn pitch(v: PerAxis<f64>) -> f64 {

@@ -1,6 +1,6 @@
 //! Figures 4a to 9 and Table 5: what flies.
 
-use super::measure::{errors, fly, fly_in, peak_deg, pitch, rms_deg, settled, yaw};
+use super::measure::{errors, fly, fly_in, peak_deg, pitch, rms_deg, within_deg, yaw};
 use super::{Picture, Section, Size, Verdict, entry};
 use crate::error::Outcome;
 use crate::figures;
@@ -13,9 +13,6 @@ use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_tune::robust;
-
-/// \[rad\] The step of section 5.
-const STEP: [f64; 2] = [15.0 * core::f64::consts::PI / 180.0, 40.0 * core::f64::consts::PI / 180.0];
 
 /// The panels of a flight that `wanted` names by their place in [`flight_figure`].
 fn panels(title: &str, flight: &Flight, until: f64, wanted: &[usize]) -> Figure {
@@ -49,12 +46,12 @@ pub(super) fn step() -> Outcome<Vec<Section>> {
 }
 
 fn table_5(flown: &Flight) -> Section {
-    let [p2, p5] = [0.02, 0.05].map(|part| settled(flown, STEP[0], part, pitch));
-    let [y2, y5] = [0.02, 0.05].map(|part| settled(flown, STEP[1], part, yaw));
-    let near = |value: f64, paper: f64| (value / paper - 1.0).abs() < 0.1;
-    let crossing = |of, band: f64| settled(flown, band.to_radians(), 1.0, of);
-    let overshoot = |o: Option<f64>| o.unwrap_or(f64::INFINITY);
     let report = &flown.report;
+    let settled = |time: Option<f64>| time.unwrap_or(f64::INFINITY);
+    let [p2, p5] = [report.pitch.settling_time_2, report.pitch.settling_time_5].map(settled);
+    let [y2, y5] = [report.yaw.settling_time_2, report.yaw.settling_time_5].map(settled);
+    let near = |value: f64, paper: f64| (value / paper - 1.0).abs() < 0.1;
+    let overshoot = |o: Option<f64>| o.unwrap_or(f64::INFINITY);
     let entries = vec![
         entry(
             "settling time, pitch",
@@ -90,7 +87,7 @@ fn table_5(flown: &Flight) -> Section {
             format!(
                 "{:.1e}° after 5 s; it passes .02° at {:.2} s",
                 report.pitch.final_error_deg.abs(),
-                crossing(pitch, 0.02)
+                within_deg(flown, 0.02, pitch)
             ),
             Verdict::WithinAmbiguity,
             "the error goes to zero; .02° is a reading on the way",
@@ -101,7 +98,7 @@ fn table_5(flown: &Flight) -> Section {
             format!(
                 "{:.1e}° after 5 s; it passes .007° at {:.2} s",
                 report.yaw.final_error_deg.abs(),
-                crossing(yaw, 0.007)
+                within_deg(flown, 0.007, yaw)
             ),
             Verdict::WithinAmbiguity,
             "likewise, but read at another time: no single time gives both",

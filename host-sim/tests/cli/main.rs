@@ -9,6 +9,7 @@ mod manual;
 mod panics;
 mod robust;
 mod searches;
+mod shards;
 mod stopping;
 
 use serde_json::Value;

@@ -297,6 +297,25 @@ fn a_scenario_injects_what_the_flag_does() {
     assert!(simulate.status.code() == Some(2) && told(&simulate).contains("no board flies here"));
 }
 
+/// What is injected lasts until something else is: a scenario that says nothing of it does not end it.
+#[test]
+fn what_is_injected_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = fly(folder.path(), &["--inject", "supply=5@2"]);
+    assert_eq!(output.status.code(), Some(3), "{}", told(&output));
+    assert!(told(&output).contains("supply"), "{}", told(&output));
+    let pushed = fly(folder.path(), &["--inject", "disturbance=6:0@2", "--record", "pushed.csv"]);
+    assert!(matches!(pushed.status.code(), Some(0 | 1)), "{}", told(&pushed));
+    let record = fs::read_to_string(folder.path().join("pushed.csv")).unwrap();
+    let mut lines = record.lines();
+    let column = lines.next().unwrap().split(',').position(|name| name == "disturbance_pitch").unwrap();
+    let seen: Vec<f64> = lines.map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect();
+    // The observer finds it, and goes on finding it: rad/s² of 6 V at an Aero 2's main rotor.
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / 1_000.0;
+    let (before, after) = (mean(&seen[1_000..2_000]), mean(&seen[seen.len() - 2_500..seen.len() - 1_500]));
+    assert!(before.abs() < 0.01 && after > 0.06, "{before} {after}");
+}
+
 /// A board of 100 MHz has fewer steps of the PWM: another flight, and the host's own all the same.
 #[test]
 fn each_board_flies_with_its_own_pwm() {
@@ -309,7 +328,7 @@ fn each_board_flies_with_its_own_pwm() {
     assert_ne!(f405["simulated"], f411["simulated"]);
     let refused = fly(folder.path(), &["--board", "f103"]);
     assert!(
-        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, nucleo-f411, nucleo-f446")
+        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, black-pill, nucleo-f411,")
     );
 }
 

@@ -134,6 +134,38 @@ fn a_signal_ends_it_with_the_motors_seen_off() {
     assert_eq!(status, Some(130));
 }
 
+/// Every tick from the first answer to the end, in the columns of `fly`; and a format that is none is told
+/// before anything turns.
+#[cfg(unix)]
+#[test]
+fn a_record_has_every_tick_until_the_program_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("flight.csv");
+    let mut program = Program::start(&["--record", file.to_str().unwrap()]);
+    let mut page = Operator::enter(&program);
+    page.reach("armed");
+    let refusal = page.ask(&json!({ "record": true })).unwrap_err();
+    assert!(refusal.contains("host-sim monitor --record"), "{refusal}");
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    let (status, _) = program.signal("INT");
+    assert_eq!(status, Some(130));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    assert_eq!(head[..8], ["t", "pitch", "yaw", "v0", "v1", "ref_pitch", "ref_yaw", "gap"]);
+    let gaps: Vec<&str> = lines.map(|line| line.split(',').nth(7).unwrap()).collect();
+    assert!(gaps.len() > 900 && gaps.iter().all(|gap| *gap == "0"), "{} rows", gaps.len());
+    let last = text.lines().last().unwrap();
+    assert!(last.contains(",ready,none,stored"), "motors off at its end: {last}");
+
+    let refused = std::process::Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["monitor", "--record", "flight.xlsx"])
+        .output()
+        .unwrap();
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(2) && told.contains("--record is 'flight.xlsx'"), "{told}");
+}
+
 #[test]
 fn a_board_at_a_line_is_zeroed_armed_and_stopped_and_its_settings_are_its_own() {
     let served = Served::over_tcp(true, Mishap::None);

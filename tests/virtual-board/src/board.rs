@@ -11,14 +11,10 @@ use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
 use crate::chip::timer::{Drive, Side, Timer};
-use crate::chip::{INTERRUPT_LINES, Part, Settings, Stm32f405};
+use crate::chip::{INTERRUPT_LINES, Settings, Stm32f405};
 use crate::serial::Line;
 use crate::warm_core::WarmCore;
 use crate::wiring::{self, Amplifiers, Encoder, Leg, Wire};
-
-/// The core's clock, and the rate at which it retires instructions: one a cycle, which is what a
-/// "virtual" second is made of.
-pub const CORE_HZ: u64 = 168_000_000;
 
 /// What the rig puts on the board's connectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,8 +169,7 @@ impl Board {
         let fault = wiring::AMPLIFIER_FAULT;
         let fault_level = Level::from(!amplifier_fault);
         self.chip.drive_pin(at, fault.port, fault.pin, Some(fault_level));
-        if self.chip.part() == Part::F446 {
-            let Wire { port, pin, .. } = wiring::NUCLEO_BUTTON;
+        if let Some((port, pin)) = self.chip.settings().button {
             self.chip.drive_pin(at, port, pin, Some(Level::from(!button)));
         }
         let break_level = self.connected(stop).then_some(stop_level);
@@ -252,13 +247,14 @@ impl Described for Board {
         const fn some(value: u64) -> NonZeroU64 {
             NonZeroU64::new(value).expect("not zero")
         }
+        let hz = some(self.chip.part().core_hz());
         let core = armv7m::Core {
             variant: armv7m::Variant::M4,
-            clock_hz: some(CORE_HZ),
+            clock_hz: hz,
             interrupt_lines: NonZeroU32::from(std::num::NonZeroU16::new(INTERRUPT_LINES).expect("not zero")),
             priority_bits: 4,
             refclk_divider: NonZeroU32::new(8).expect("not zero"),
-            instructions_per_second: some(CORE_HZ),
+            instructions_per_second: hz,
             boot: "flash",
         };
         let windows = cpu::windows(self.chip.bus());

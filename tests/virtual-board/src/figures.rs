@@ -6,7 +6,6 @@ use std::ops::Range;
 
 use twinrotor::supervisor::Request;
 
-use crate::board::CORE_HZ;
 use crate::firmware::Firmware;
 use crate::station::Station;
 
@@ -42,6 +41,7 @@ impl InFlight {
         #[expect(clippy::cast_possible_truncation, reason = "a few thousand")]
         const TICKS: usize = MILLISECONDS as usize;
         let before = station.machine.with(|board| board.ticks().len());
+        let core_hz = station.machine.with(|live| live.board().chip().part().core_hz());
         let (_, executed) = station.machine.now();
         station.run(MILLISECONDS);
         let (_, all) = station.machine.now();
@@ -65,7 +65,7 @@ impl InFlight {
             (board.stack_used(low, high), high - low)
         });
         #[expect(clippy::cast_precision_loss, reason = "a share")]
-        let busy = (all - executed) as f64 / (CORE_HZ / 1_000 * MILLISECONDS) as f64;
+        let busy = (all - executed) as f64 / (core_hz / 1_000 * MILLISECONDS) as f64;
         Self {
             tick_min: flown[0],
             tick_median: flown[flown.len() / 2],

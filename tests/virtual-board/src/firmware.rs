@@ -7,9 +7,7 @@ use std::sync::Arc;
 
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::image::Image;
-use twinrotor::board::NUCLEO_F446;
-
-use crate::chip::Part;
+use twinrotor::board::{self, Board};
 
 /// A firmware image with its symbols.
 #[derive(Debug, Clone)]
@@ -120,19 +118,22 @@ impl Firmware {
         Self::read(&built("f405-sim/"))
     }
 
-    /// The same for the Nucleo-F446RE: where `cargo fw-nucleo-f446-sim` puts it.
+    /// The same for another board: where `cargo fw-BOARD-sim` puts it.
     ///
     /// # Errors
     ///
     /// As [`Firmware::read`].
-    pub fn simulated_nucleo_f446() -> Result<Self, Error> {
-        Self::read(&built("nucleo-f446-sim/"))
+    pub fn simulated_on(board: Board) -> Result<Self, Error> {
+        Self::read(&built(&format!("{}-sim/", board.name)))
     }
 
-    /// The part for which it was built: its file has the name of the chip that it tells to its host.
-    pub fn part(&self) -> Part {
-        let told = NUCLEO_F446.chip.as_bytes();
-        if self.bytes.windows(told.len()).any(|bytes| bytes == told) { Part::F446 } else { Part::F405 }
+    /// The board for which it was built: its file has the name of the chip that it tells to its host.
+    pub fn board(&self) -> Board {
+        let told = |board: &Board| {
+            let chip = board.chip.as_bytes();
+            self.bytes.windows(chip.len()).any(|bytes| bytes == chip)
+        };
+        board::ALL.into_iter().find(told).unwrap_or_default()
     }
 
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {

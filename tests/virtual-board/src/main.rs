@@ -155,13 +155,14 @@ fn run(args: &Args) -> Outcome<()> {
     }
     let scenario = scenario.map_or_else(|| Scenario::named("step"), Ok)?;
     flight::take_off(&mut station, &mut told).map_err(failed)?;
+    let core_hz = station.machine.with(|live| live.board().chip().part().core_hz());
     let (before, executed) = station.machine.now();
     let off = Instant::now();
     let flown = flight::fly(&mut station, &named.rig, &scenario, args.seed, &mut told).map_err(failed)?;
     let (now, all) = station.machine.now();
     let seconds = |nanoseconds: u64| std::time::Duration::from_nanos(nanoseconds).as_secs_f64();
     #[expect(clippy::cast_precision_loss, reason = "a share")]
-    let busy = (all - executed) as f64 / (virtual_board::board::CORE_HZ as f64 * seconds(now.0 - before.0));
+    let busy = (all - executed) as f64 / (core_hz as f64 * seconds(now.0 - before.0));
     let speeds = [
         seconds(now.0 - before.0) / off.elapsed().as_secs_f64(),
         seconds(now.0) / began.elapsed().as_secs_f64(),

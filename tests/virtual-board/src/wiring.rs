@@ -86,8 +86,6 @@ pub const AMPLIFIER_ENABLE: Wire = plain(C, 8);
 pub const AMPLIFIER_FAULT: Wire = plain(C, 3);
 /// The emergency stop, TIM1's break input: a contact to ground that opens.
 pub const EMERGENCY_STOP: Wire = alternate(B, 12, 1);
-/// The user button of a Nucleo board, which connects it to ground: UM1724, 6.6.
-pub const NUCLEO_BUTTON: Wire = plain(C, 13);
 /// High lights it.
 pub const STATUS_LED: Wire = plain(A, 5);
 

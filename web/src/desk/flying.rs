@@ -147,13 +147,25 @@ impl Flying {
         self.course.due(tick.wrapping_add(1).wrapping_sub(from)).map_or(Wish::Nothing, Wish::Say)
     }
 
+    /// What is flown.
+    #[must_use]
+    pub const fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The board's tick in which it began, once it has.
+    #[must_use]
+    pub const fn begun(&self) -> Option<u32> {
+        match self.stage {
+            Stage::Begun(from) => Some(from),
+            Stage::Rising { .. } | Stage::Said(..) => None,
+        }
+    }
+
     /// How far it is at the board's `tick`.
     #[must_use]
     pub fn progress(&self, tick: u32) -> Progress {
-        let begun = match self.stage {
-            Stage::Begun(from) => Some(tick.wrapping_sub(from)),
-            _ => None,
-        };
+        let begun = self.begun().map(|from| tick.wrapping_sub(from));
         Progress {
             scenario: self.scenario.name.clone(),
             rising: begun.is_none(),

@@ -91,10 +91,10 @@ impl Desk {
         self.journal.note(self.ticks, "the line is open again");
     }
 
-    /// Another board; what happened with those before is still told.
+    /// Another board; what happened with those before is still told, and what was recorded of them kept.
     pub fn turn_to(&mut self, other: Self) {
-        let (number, journal) = (self.number + 1, std::mem::take(&mut self.journal));
-        *self = Self { number, journal, ..other };
+        let (journal, recorder) = (std::mem::take(&mut self.journal), std::mem::take(&mut self.recorder));
+        *self = Self { number: self.number + 1, journal, recorder, ..other };
     }
 
     /// A simulated desk anew; the next board that is seen.

@@ -7,12 +7,14 @@ pub mod faults;
 pub mod flying;
 mod line;
 mod orders;
+pub mod recorder;
 pub mod samples;
 pub mod status;
 pub mod tuning;
 
 use bench::Bench;
 use flying::{Flights, Flying, Wish};
+use recorder::Recorder;
 use serde::Deserialize;
 use status::Journal;
 use std::time::Duration;
@@ -81,6 +83,8 @@ pub struct Desk {
     tuning: Tuning,
     journal: Journal,
     samples: Vec<f32>,
+    /// A record, if one is wanted.
+    pub recorder: Recorder,
 }
 
 /// The controller of this name for a rig.
@@ -139,6 +143,7 @@ impl Desk {
             tuning,
             journal: Journal::default(),
             samples: Vec::new(),
+            recorder: Recorder::default(),
         }
     }
 
@@ -220,6 +225,9 @@ impl Desk {
     fn look(&mut self, frame: Frame) {
         let before = self.frame.replace(frame);
         self.heard = self.ticks;
+        if let Some(ended) = self.recorder.take(&frame) {
+            self.journal.trouble(self.ticks, ended);
+        }
         let place = |frame: &Frame| frame.tick / samples::EVERY;
         if before.is_none_or(|before| place(&before) != place(&frame)) {
             let rotors = self.bench.as_ref().map(|bench| bench.board.rig.bench.rotor_volts());
@@ -261,19 +269,24 @@ impl Desk {
             return;
         }
         if frame.state != ArmState::Armed {
-            self.flying = None;
+            self.end_flight();
             self.journal.trouble(self.ticks, "the flight was broken off: the motors are off");
             return;
         }
         let Some(flying) = &mut self.flying else { return };
-        match flying.hear(frame) {
+        let rising = flying.begun().is_none();
+        let wish = flying.hear(frame);
+        if let (true, Some(begun), Some(bench)) = (rising, flying.begun(), &mut self.bench) {
+            bench.begins(flying.scenario(), begun);
+        }
+        match wish {
             Wish::Nothing => {}
             Wish::Say(setpoint) => {
                 let sequence = self.client.send(&ToBoard::Setpoint(setpoint)).unwrap_or_default();
                 flying.said(sequence, frame.tick.wrapping_add(1));
             }
             Wish::End => {
-                if let Some(flying) = self.flying.take() {
+                if let Some(flying) = self.end_flight() {
                     self.flights.note(flying, (&self.preset, &self.rig));
                     self.journal.note(self.ticks, "flown to its end; back to level");
                 }

@@ -11,7 +11,7 @@ use twinrotor::reference::Reference;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use twinrotor::telemetry::TrialPhase;
 use twinrotor::trial::Attempt;
-use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::scenario::{Scenario, Start};
 use twinrotor_sim::{Error, Outcome};
 use twinrotor_station::client::Question;
 use twinrotor_station::words;
@@ -29,7 +29,8 @@ impl Desk {
             self.client.aim(PerAxis::zero());
         }
         if request == Request::Disarm {
-            (self.flying, self.zeroing) = (None, None);
+            self.end_flight();
+            self.zeroing = None;
             self.cutting = Some(self.ticks + CUT_EVERY);
         }
         self.client.request(request);
@@ -84,7 +85,7 @@ impl Desk {
 
     /// To be there \[rad\]. Ends a scenario.
     pub fn aim(&mut self, angle: PerAxis<f32>) {
-        self.flying = None;
+        self.end_flight();
         self.client.aim(angle);
     }
 
@@ -102,13 +103,34 @@ impl Desk {
         if let Some(refusal) = scenario.references().iter().find_map(outside) {
             return Err(Error::Unusable(words::refusal(&refusal)));
         }
-        if let Some(bench) = &mut self.bench {
-            bench.gusts = scenario.disturbance.map_or_else(Vec::new, |_| scenario.disturbances(1));
+        self.end_flight();
+        let mut scenario = scenario;
+        if scenario.start != Start::default() {
+            self.journal.note(self.ticks, "the scenario's start is left out: the rig is where it is");
+            scenario.start = Start::default();
+        }
+        match &mut self.bench {
+            Some(bench) => bench.wear(&scenario),
+            None if !scenario.is_undisturbed() || !scenario.inject.is_empty() => {
+                let told = "what the scenario lets befall the rig is left out: a real rig has its own";
+                self.journal.note(self.ticks, told);
+                scenario = scenario.undisturbed();
+                scenario.inject.clear();
+            }
+            None => {}
         }
         self.client.send(&ToBoard::Setpoint(Reference::at_rest(PerAxis::zero())));
         let flies = self.tuning.in_force(frame.controller.trial != TrialPhase::None);
         self.flying = Some(Flying::new(scenario, flies, frame.tick));
         Ok(())
+    }
+
+    /// Ends a scenario under way, and what it lets befall the rig.
+    pub(super) fn end_flight(&mut self) -> Option<Flying> {
+        if let Some(bench) = &mut self.bench {
+            bench.calm();
+        }
+        self.flying.take()
     }
 
     /// The simulated rig, for a hand at it.

@@ -3,6 +3,7 @@
 
 use super::faults::Listed;
 use super::flying::Progress;
+use super::recorder::Recorded;
 use super::{Desk, samples};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -114,6 +115,7 @@ pub struct Status {
     flying: Option<Progress>,
     flights: usize,
     faults: Vec<Listed>,
+    record: Recorded,
     journal: Vec<Entry>,
 }
 
@@ -154,6 +156,7 @@ impl Desk {
             flying: self.flying.as_ref().map(|flying| flying.progress(frame.tick)),
             flights: self.flights.count(),
             faults: self.bench.as_ref().map_or_else(Vec::new, |bench| bench.faults.list()),
+            record: self.recorder.status(),
             journal: self.journal.since(since),
         }
     }

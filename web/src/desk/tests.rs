@@ -252,3 +252,31 @@ fn a_board_at_a_line_of_the_page_is_flown_stopped_and_missed() {
         status["simulated"] == true && status["trouble"].is_null() && status["next"] == "check"
     });
 }
+
+/// A scenario file says what befalls the rig, and when; with the flight's end the rig is sound again.
+#[test]
+fn a_scenario_file_is_flown_with_what_it_lets_befall_the_rig() {
+    let calm = "duration = 4.0\n[pitch.steps]\njumps = [[1.0, 5]]\n[yaw.steps]\njumps = []\n";
+    let fly = |page: &mut Page, more: &str| {
+        let toml = format!("{more}\n{calm}");
+        ask(page, &json!({ "fly": { "scenario": "mine.toml", "toml": toml } }))
+    };
+    let mut page = armed();
+    fly(&mut page, "").unwrap();
+    wait(&mut page, 60_000, "the calm flight", |status| status["flights"] == 1);
+    fly(&mut page, "disturbance = { amplitude = [2.0, 0.0], time = [1.0, 4.0] }").unwrap_err();
+    let push = "events = { step = [{ volts = [3.0, 0.0], window = [2.0, 4.0] }] }";
+    fly(&mut page, push).unwrap();
+    let pushes = |page: &mut Page| page.desk.bench().unwrap().board.rig.bench.disturbance.main;
+    wait(&mut page, 60_000, "its step", |status| status["flying"]["time"].as_f64() > Some(2.1));
+    assert_eq!(pushes(&mut page), 3.0);
+    wait(&mut page, 60_000, "the pushed flight", |status| status["flights"] == 2);
+    assert_eq!(pushes(&mut page), 0.0);
+
+    fly(&mut page, "inject = [\"supply=5@2\"]").unwrap();
+    let cut = state(&mut page, 60_000, "fault");
+    assert!(cut["cause"].as_str().unwrap().contains("supply"), "{cut}");
+    page.desk.advance(2_000);
+    ask(&mut page, &json!({ "supervisor": "clear-fault" })).unwrap();
+    assert_ne!(state(&mut page, 5_000, "ready")["state"], "fault");
+}

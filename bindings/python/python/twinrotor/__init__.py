@@ -7,6 +7,7 @@ names, paths of files or TOML text. Angles are in rad, times in s, volts in V.
 What is wrong raises ``ValueError`` with field, value and what is allowed.
 """
 
+from ._batch import Batch, Stepped
 from ._board import Bench, Controller, ControlLoop, Fault, Port, SimulatedBoard
 from ._flight import Flight, simulate
 from ._gains import Gains, GainsLike, Rig, RigLike, Setting, presets, settings
@@ -17,6 +18,7 @@ from ._replay import Replay, replay
 from ._search import Comparison, Tuned, compare, draw, tune, tune_robust
 
 __all__ = [
+    "Batch",
     "Bench",
     "Comparison",
     "Constant",
@@ -36,6 +38,7 @@ __all__ = [
     "RigLike",
     "Setting",
     "SimulatedBoard",
+    "Stepped",
     "Tuned",
     "compare",
     "draw",

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 Array: TypeAlias = npt.NDArray[np.float64]
+Rows: TypeAlias = npt.NDArray[np.float32]
 Progress: TypeAlias = Callable[[int, int, float], object]
 Log: TypeAlias = tuple[str, list[tuple[str, Array]] | None]
 
@@ -143,3 +144,35 @@ class SimulatedBoard:
     @property
     def state(self) -> str: ...
     def frame(self) -> dict[str, object]: ...
+
+class Batch:
+    def __new__(
+        cls,
+        preset: str,
+        count: int,
+        action: str,
+        gains: str | None,
+        supervised: bool,
+        true_rig: str | None,
+        spread: bool,
+        seconds: float,
+        autoreset: str,
+        threads: int | None,
+    ) -> Self: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def threads(self) -> int: ...
+    def reset(
+        self, mask: npt.NDArray[np.bool_], seeds: npt.NDArray[np.uint64] | None, observations: Rows
+    ) -> None: ...
+    def step(
+        self,
+        actions: Rows,
+        observations: Rows,
+        finals: Rows,
+        rewards: Array,
+        terminated: npt.NDArray[np.bool_],
+        truncated: npt.NDArray[np.bool_],
+    ) -> None: ...
+    def goals(self) -> Rows: ...

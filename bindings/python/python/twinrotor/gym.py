@@ -1,39 +1,45 @@
-"""The helicopter as a Gymnasium environment, ``Twinrotor-v0`` once this module is imported."""
+"""The helicopter as a Gymnasium environment, ``Twinrotor-v0`` once this module is imported.
+
+``gymnasium.make`` makes one (:class:`Twinrotor`), ``gymnasium.make_vec`` many that fly together
+(:class:`TwinrotorVector`). What is seen, what an action means and what it earns: :class:`twinrotor.Batch`.
+"""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 import gymnasium
 import numpy as np
 import numpy.typing as npt
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
 
-from ._board import Bench, ControlLoop
+from ._batch import Action, Autoreset, Batch, Flags, Rows
 from ._gains import GainsLike, Rig, RigLike
-from ._search import draw
-
-#: Ticks of 1 ms between two actions.
-TICKS = 20
-#: Ticks for which a rig lies still before where it lies is its rest pose.
-REST_TICKS = 1_600
-#: rad of pitch and yaw: goals are drawn from within.
-GOALS = np.radians([15.0, 40.0])
 
 Vector = npt.NDArray[np.float32]
+_Item = TypeVar("_Item", bound=np.generic)
+
+_AUTORESETS: dict[AutoresetMode, Autoreset] = {
+    AutoresetMode.NEXT_STEP: "next-step",
+    AutoresetMode.SAME_STEP: "same-step",
+    AutoresetMode.DISABLED: "disabled",
+}
+
+
+def _spaces(preset: Rig, seconds: float) -> tuple[gymnasium.Space[Vector], gymnasium.Space[Vector]]:
+    """What may be seen, and what may be done."""
+    constants = preset.constants
+    supply = 1.01 * max(constants["volts_limit"].values())
+    turned = 100.0 + seconds * float(constants["envelope"]["rate"]["yaw"])
+    most = np.array([100.0, turned, 100.0, 100.0, 100.0, turned, supply, supply], dtype=np.float32)
+    seen = gymnasium.spaces.Box(-most, most, dtype=np.float32)
+    return seen, gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
 
 
 class Twinrotor(gymnasium.Env[Vector, Vector]):
-    """Fly to a goal and stay there.
-
-    Observation: θ, ψ (rad), θ̇, ψ̇ (rad/s), what is missing to the goal in pitch and yaw (rad), and the volts
-    of the last action. Action, each in -1 to 1: with ``action="volts"`` of the motors' limits, every 20 ms;
-    with ``action="setpoint"`` of ±25° and ±90°, flown by the board's own loop behind its supervisor, from its
-    rest pose.
-
-    Reward: minus the mean squared error (rad²) of the 20 ms. An episode ends where the rig leaves its
-    envelope or the supervisor switches the motors off, with -10; it is cut after ``seconds``. With
-    ``spread``, each episode flies another plant, drawn as the robust objective draws them.
-    """
+    """Fly to a goal and stay there: a :class:`twinrotor.Batch` of one."""
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, as Gymnasium has it
 
@@ -41,95 +47,153 @@ class Twinrotor(gymnasium.Env[Vector, Vector]):
         self,
         preset: RigLike = "aero2",
         *,
-        action: Literal["volts", "setpoint"] = "volts",
+        action: Action = "volts",
         gains: GainsLike = None,
+        supervised: bool = True,
         spread: bool = True,
         seconds: float = 10.0,
         render_mode: None = None,
     ) -> None:
-        if action not in ("volts", "setpoint"):
-            raise ValueError(f"action is {action!r}; allowed: 'volts', 'setpoint'")
-        if not 0.02 <= seconds <= 3600.0:
-            raise ValueError(f"seconds is {seconds}; allowed: 0.02 to 3600")
         self.render_mode = render_mode
         self.preset = Rig.of(preset)
-        constants = self.preset.constants
-        self.limit = np.array([constants["volts_limit"][motor] for motor in ("main", "tail")])
-        self.envelope = float(constants["envelope"]["pitch"])
-        self.rates = np.array([constants["envelope"]["rate"][axis] for axis in ("pitch", "yaw")])
-        self.kind, self.gains, self.spread = action, gains, spread
-        self.steps = round(seconds * 1000 / TICKS)
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
-        most = np.array([*[100.0] * 6, *self.limit], dtype=np.float32)
-        self.observation_space = gymnasium.spaces.Box(-most, most, dtype=np.float32)
-        self.left = 0
-        self.loop: ControlLoop | None = None
+        self.batch = Batch(
+            self.preset,
+            1,
+            action=action,
+            gains=gains,
+            supervised=supervised,
+            spread=spread,
+            seconds=seconds,
+            autoreset="disabled",
+            threads=1,
+        )
+        self.observation_space, self.action_space = _spaces(self.preset, seconds)
+        self._seeded = False
+
+    @property
+    def goal(self) -> Vector:
+        """Pitch and yaw (rad) that are to be flown to."""
+        goal: Vector = self.batch.goals()[0]
+        return goal
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Vector, dict[str, Any]]:
+        """With a seed, the first of its episodes; without one, the next."""
         super().reset(seed=seed)
-        drawn = int(self.np_random.integers(2**31))
-        self.rig = draw(self.preset, 1, seed=drawn)[0] if self.spread else self.preset
-        self.goal = self.np_random.uniform(-GOALS, GOALS)
-        self.volts = np.zeros(2)
-        self.left = self.steps
-        self.bench = Bench(self.rig)
-        self.loop = None
-        if self.kind == "setpoint":
-            self.loop = self._armed()
-        else:
-            self.bench.place(0.0, 0.0)
-        return self._seen(), {}
+        if seed is None and not self._seeded:
+            seed = int(self.np_random.integers(2**32))
+        self._seeded = True
+        return self.batch.begin(seed)[0].copy(), {}
 
     def step(self, action: Vector) -> tuple[Vector, float, bool, bool, dict[str, Any]]:
-        wanted = np.clip(np.asarray(action, dtype=float), -1.0, 1.0)
-        if self.loop is None:
-            self.volts = wanted * self.limit
-            self.bench.tick((float(self.volts[0]), float(self.volts[1])), ticks=TICKS)
-        else:
-            pitch, yaw = wanted * np.radians([25.0, 90.0])
-            self.loop.aim((float(pitch), float(yaw)))
-            for _ in range(TICKS):
-                self._tick(self.loop)
-        error = self._error()
-        off = self.loop is not None and self.loop.state != "armed"
-        angle, rate = (np.array(pair) for pair in self.bench.state)
-        ended = bool(off or abs(angle[0]) > self.envelope or np.any(np.abs(rate) > self.rates))
-        self.left -= 1
-        reward = -float(np.sum(error**2)) - (10.0 if ended else 0.0)
-        return self._seen(), reward, ended, self.left <= 0, {}
+        seen, rewards, terminated, truncated = self.batch.fly(np.asarray(action)[None])
+        return seen[0].copy(), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), {}
 
-    def _tick(self, loop: ControlLoop) -> None:
-        volts = loop.tick(*self.bench.counters, self.bench.supply)
-        self.volts = np.array(volts)
-        self.bench.tick(volts, loop.motors_may_turn)
 
-    def _armed(self) -> ControlLoop:
-        """The board's loop, zeroed where the rig rests, and armed."""
-        loop = ControlLoop(
-            self.preset, self.gains, counters=self.bench.counters, counter_bits=16, checked=True
+class TwinrotorVector(VectorEnv[Rows, Rows, npt.NDArray[Any]]):
+    """Many of them, each with the bytes of a :class:`Twinrotor` of its seed.
+
+    :param autoreset_mode: when an environment whose episode is over begins its next one. All three of
+        Gymnasium's: with the next step, in the same step (``infos["final_obs"]`` has what was seen last), or
+        by ``reset(options={"reset_mask": mask})``.
+    :param threads: one for each processor if ``None``.
+    :param copy: without it, arrays that are answered are written over by the next step.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        preset: RigLike = "aero2",
+        *,
+        action: Action = "volts",
+        gains: GainsLike = None,
+        supervised: bool = True,
+        spread: bool = True,
+        seconds: float = 10.0,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        threads: int | None = None,
+        copy: bool = True,
+        render_mode: None = None,
+    ) -> None:
+        self.num_envs = num_envs
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        self.copy = copy
+        self.preset = Rig.of(preset)
+        self.batch = Batch(
+            self.preset,
+            num_envs,
+            action=action,
+            gains=gains,
+            supervised=supervised,
+            spread=spread,
+            seconds=seconds,
+            autoreset=_AUTORESETS[self.autoreset_mode],
+            threads=threads,
         )
-        for _ in range(REST_TICKS):
-            self._tick(loop)
-        loop.zero()
-        for _ in range(5):
-            self._tick(loop)
-        loop.request("arm")
-        for _ in range(5):
-            self._tick(loop)
-        if loop.state != "armed":
-            raise RuntimeError(f"the board's loop is not armed: {', '.join(loop.conditions)}")
-        self.bench.table = False
-        return loop
+        self.single_observation_space, self.single_action_space = _spaces(self.preset, seconds)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._seeded = np.zeros(num_envs, np.bool_)
 
-    def _error(self) -> npt.NDArray[np.float64]:
-        error: npt.NDArray[np.float64] = self.goal - np.array(self.bench.state[0])
-        return error
+    @property
+    def goals(self) -> Rows:
+        """Pitch and yaw (rad) that are to be flown to, a row for each."""
+        return self.batch.goals()
 
-    def _seen(self) -> Vector:
-        angle, rate = self.bench.state
-        return np.array([*angle, *rate, *self._error(), *self.volts], dtype=np.float32)
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Rows, dict[str, Any]]:
+        """Begins episodes, of all or where ``options["reset_mask"]`` is true.
+
+        With ``seed`` k, environment i begins the first episode of seed k + i; with a list, of its own entry;
+        with ``None``, its next one.
+        """
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        mask = np.ones(self.num_envs, np.bool_)
+        if options and "reset_mask" in options:
+            mask = np.asarray(options["reset_mask"])
+            if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
+                raise ValueError(f"reset_mask is {mask!r}; allowed: {self.num_envs} truth values")
+        if isinstance(seed, int):
+            seeds: list[int | None] = [seed + k for k in range(self.num_envs)]
+        else:
+            seeds = [None] * self.num_envs if seed is None else list(seed)
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"seed has {len(seeds)} entries; allowed: {self.num_envs}")
+        for k in np.flatnonzero(~self._seeded):
+            if seeds[k] is None:
+                seeds[k] = int(self.np_random.integers(2**32))
+        self._seeded |= mask
+        given = np.array([one is not None for one in seeds])
+        if np.any(mask & given):
+            self.batch.begin([one or 0 for one in seeds], mask=mask & given)
+        seen = self.batch.begin(mask=mask & ~given)
+        return self._own(seen), {}
+
+    def step(self, actions: Rows) -> tuple[Rows, npt.NDArray[Any], Flags, Flags, dict[str, Any]]:
+        seen, rewards, terminated, truncated = self.batch.fly(actions)
+        infos: dict[str, Any] = {}
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            over = terminated | truncated
+            if over.any():
+                last = np.full(self.num_envs, None, dtype=object)
+                for k in np.flatnonzero(over):
+                    last[k] = self.batch.final_observations[k].copy()
+                infos = {"final_obs": last, "_final_obs": over, "final_info": {}, "_final_info": over.copy()}
+        return self._own(seen), self._own(rewards), self._own(terminated), self._own(truncated), infos
+
+    def _own(self, array: npt.NDArray[_Item]) -> npt.NDArray[_Item]:
+        return array.copy() if self.copy else array
 
 
-gymnasium.register(id="Twinrotor-v0", entry_point="twinrotor.gym:Twinrotor")
+gymnasium.register(
+    id="Twinrotor-v0",
+    entry_point="twinrotor.gym:Twinrotor",
+    vector_entry_point="twinrotor.gym:TwinrotorVector",
+)

@@ -26,7 +26,7 @@ fn last(flight: &Flight) -> State<f64> {
 
 /// All that can befall a rig at once, mildly.
 const MISERY: &str = "[hardware]\nnoise_counts = [1, 1]\nbacklash_deg = [0.3, 0.2]\ndead_zone = [0.2, 0.1]\n\
-                      delay = 0.004\n[start]\nangle_deg = [2, -3]\nrate_deg = [5, -8]\nrotor_volts = [3, 1]\n\
+                      delay = 0.004\njitter = 0.003\ncable_stiffness = 0.001\ncable_free_deg = 20\n[start]\nangle_deg = [2, -3]\nrate_deg = [5, -8]\nrotor_volts = [3, 1]\n\
                       [[events.gust]]\nvolts = [1.5, -1]\nwindow = [1, 3]\n[[events.sine]]\n\
                       torque = [0.001, 0.0005]\nfrequency = 4\nwindow = [2, 5]\n[[events.weight]]\n\
                       mass = 0.001\narm = 0.15\nwindow = [3, 6]\n[[events.thrust]]\nleft = [0.95, 0.9]\n\
@@ -82,6 +82,11 @@ fn a_torque_is_balanced_by_volts() {
     // At level the spring of AERO2 is at rest, so all of it is the rotors'.
     let given = AERO2.plant.effectiveness.torque(change);
     assert!((given.pitch + 0.003).abs() < 3e-4 && (given.yaw - 0.002).abs() < 3e-4, "{given:?}");
+    // A cable that is taut from 10° on pulls 40° back with 30° of its stiffness.
+    let wound = held("[hardware]\ncable_stiffness = 0.004\ncable_free_deg = 10\n").minus(held(""));
+    let given = AERO2.plant.effectiveness.torque(wound);
+    let pulled = 0.004 * 30.0_f64.to_radians();
+    assert!(given.pitch.abs() < 3e-4 && (given.yaw - pulled).abs() < 3e-4, "{given:?}");
 }
 
 /// A board that reckons with half the encoder's counts takes every angle for twice what it is.

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Worn};
+use twinrotor::bench::Bench;
 use twinrotor::plant::PlantParameters;
 use twinrotor::plant::presets::Rig;
 use twinrotor::real::Real;
@@ -21,6 +21,8 @@ pub struct Now {
     pub torque: PerAxis<f64>,
     /// \[counts\] Whole counts that the encoders show beside those there are.
     pub noise: PerAxis<f64>,
+    /// \[ticks\] By how many the volts come later than their delay.
+    pub jitter: u32,
     /// The supply, where it is not as it should be.
     pub supply: Option<Lowered>,
     /// What the plant becomes, where it becomes another.
@@ -43,6 +45,7 @@ impl Now {
             volts: PerMotor::zero(),
             torque: PerAxis::zero(),
             noise: PerAxis::zero(),
+            jitter: 0,
             supply: None,
             change: None,
         }
@@ -92,6 +95,7 @@ pub struct Befalls {
     tick: u32,
     random: ChaCha8Rng,
     noise: ChaCha8Rng,
+    late: ChaCha8Rng,
     value: PerMotor<f64>,
     before: Change,
 }
@@ -99,14 +103,18 @@ pub struct Befalls {
 impl Scenario {
     /// What befalls the rig from tick 0 on, without end; `seed` is of all that is random.
     pub fn befalls(&self, seed: u64) -> Befalls {
-        let mut noise = ChaCha8Rng::seed_from_u64(seed);
         // Other streams are the disturbance's, the encoders' phase, the drawn plants.
-        noise.set_stream(3);
+        let stream = |number: u64| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            random.set_stream(number);
+            random
+        };
         Befalls {
             scenario: self.clone(),
             tick: 0,
             random: ChaCha8Rng::seed_from_u64(seed),
-            noise,
+            noise: stream(3),
+            late: stream(4),
             value: PerMotor::both(0.0),
             before: Change::default(),
         }
@@ -122,6 +130,7 @@ impl Scenario {
             || events.sine.iter().any(|sine| turns(sine.torque))
             || !(events.weight.is_empty() && events.thrust.is_empty() && events.supply.is_empty())
             || self.hardware.noise_counts != [0; 2]
+            || self.hardware.jitter > 0.0
     }
 }
 
@@ -151,6 +160,12 @@ impl Befalls {
         });
         PerAxis::new(pitch, yaw)
     }
+
+    /// \[ticks\]
+    fn jitter(&mut self) -> u32 {
+        let most = ticks(self.scenario.hardware.jitter, SAMPLE_TIME);
+        if most > 0 { self.late.random_range(0..=most) } else { 0 }
+    }
 }
 
 impl Iterator for Befalls {
@@ -165,6 +180,7 @@ impl Iterator for Befalls {
             volts: self.random().plus(volts),
             torque,
             noise: self.noise(),
+            jitter: self.jitter(),
             supply,
             change: (change != self.before).then(|| change.clone()),
         };
@@ -174,13 +190,18 @@ impl Iterator for Befalls {
     }
 }
 
-/// A scenario that befalls a simulated rig whose board is flown by somebody else.
+/// A scenario that befalls a simulated rig whose board is flown by somebody else. Where nothing of it changes
+/// it leaves the rig as it is: what is injected beside it stays.
 #[derive(Debug, Clone)]
 pub struct Befallen {
     befalls: Befalls,
     plant: PlantParameters<f64>,
     /// \[V\] As it should be.
     supply: f32,
+    /// What has befallen it last.
+    before: Now,
+    /// The plant is another than it was.
+    changed: bool,
     /// Ticks that have befallen it.
     done: u32,
     end: u32,
@@ -193,6 +214,8 @@ impl Befallen {
             befalls: scenario.befalls(seed),
             plant: rig.plant,
             supply: bench.supply,
+            before: Now::nothing(),
+            changed: false,
             done: 0,
             end: scenario.last_tick() + 1,
         }
@@ -200,7 +223,7 @@ impl Befallen {
 
     /// The bench's hardware becomes what the scenario says it is.
     pub fn wear(scenario: &Scenario, bench: &mut Bench<f32>) {
-        bench.worn = Worn::new(&scenario.hardware.wear(), bench.state().angle);
+        bench.set_wear(&scenario.hardware.wear());
     }
 
     /// What befalls the rig in `tick` of the scenario, with all that was missed; nothing once it is over.
@@ -210,26 +233,37 @@ impl Befallen {
             let now = self.befalls.next().expect("there is no end to it");
             if let Some(change) = &now.change {
                 bench.become_plant(&change.of(&self.plant).map(f32::from_f64));
+                self.changed = true;
             }
             last = Some(now);
             self.done += 1;
         }
         if tick >= self.end {
-            self.leave(bench);
+            self.become_now(bench, Now::nothing());
+            if std::mem::take(&mut self.changed) {
+                bench.become_plant(&self.plant.map(f32::from_f64));
+            }
         } else if let Some(now) = last {
-            bench.disturbance = now.volts.cast();
-            bench.set_load(now.torque.cast());
-            bench.worn.set_noise(now.noise.cast());
-            bench.supply = now.supply(self.supply);
+            self.become_now(bench, now);
         }
     }
 
-    /// Nothing disturbs the rig any more.
-    fn leave(&self, bench: &mut Bench<f32>) {
-        bench.disturbance = PerMotor::zero();
-        bench.set_load(PerAxis::zero());
-        bench.worn.set_noise(PerAxis::zero());
-        bench.supply = self.supply;
-        bench.become_plant(&self.plant.map(f32::from_f64));
+    fn become_now(&mut self, bench: &mut Bench<f32>, now: Now) {
+        if now.volts != self.before.volts {
+            bench.disturbance = now.volts.cast();
+        }
+        if now.torque != self.before.torque {
+            bench.set_load(now.torque.cast());
+        }
+        if now.noise != self.before.noise {
+            bench.worn.set_noise(now.noise.cast());
+        }
+        if now.jitter != self.before.jitter {
+            bench.worn.set_jitter(now.jitter);
+        }
+        if now.supply != self.before.supply {
+            bench.supply = now.supply(self.supply);
+        }
+        self.before = now;
     }
 }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{LONGEST_DELAY, Wear};
+use twinrotor::plant::Cable;
 use twinrotor::trajectory::ticks;
 
 /// How a flight begins; at rest, level and cold by default.
@@ -70,6 +71,12 @@ pub struct Hardware {
     pub dead_zone: [f64; 2],
     /// \[s\] By how much later than they should the volts act, 0 to .031, in whole ticks.
     pub delay: f64,
+    /// \[s\] By how much more, each tick another whole number of ticks, uniform; with `delay` to .031.
+    pub jitter: f64,
+    /// \[N m/rad\] Stiffness of the cable that yaw winds up, 0 to 10.
+    pub cable_stiffness: f64,
+    /// \[deg\] How far yaw turns either way before the cable is taut, 0 to 3600.
+    pub cable_free_deg: f64,
 }
 
 /// Most counts that an encoder may be wrong by.
@@ -85,15 +92,22 @@ impl Hardware {
         pair("hardware.noise_counts", self.noise_counts.map(f64::from), [0.0, MOST_NOISE], "counts")?;
         pair("hardware.backlash_deg", self.backlash_deg, [0.0, 10.0], "degrees")?;
         pair("hardware.dead_zone", self.dead_zone, [0.0, 10.0], "V")?;
-        within("hardware.delay", self.delay, [0.0, f64::from(LONGEST_DELAY) * SAMPLE_TIME], "s")
+        let longest = f64::from(LONGEST_DELAY) * SAMPLE_TIME;
+        within("hardware.delay", self.delay, [0.0, longest], "s")?;
+        let left = f64::from(LONGEST_DELAY - ticks(self.delay, SAMPLE_TIME)) * SAMPLE_TIME;
+        within("hardware.jitter", self.jitter, [0.0, left], "s, with hardware.delay to .031")?;
+        within("hardware.cable_stiffness", self.cable_stiffness, [0.0, 10.0], "N m/rad")?;
+        within("hardware.cable_free_deg", self.cable_free_deg, [0.0, 3600.0], "degrees")
     }
 
-    /// What of it a bench knows: all but the noise.
+    /// What of it a bench knows: all but what is random.
     pub fn wear(&self) -> Wear {
         Wear {
             backlash: PerAxis::new(self.backlash_deg[0], self.backlash_deg[1]).map(f64::to_radians),
             dead_zone: PerMotor::new(self.dead_zone[0], self.dead_zone[1]),
             delay: ticks(self.delay, SAMPLE_TIME),
+            jitter: ticks(self.jitter, SAMPLE_TIME),
+            cable: Cable { stiffness: self.cable_stiffness, free: self.cable_free_deg.to_radians() },
             limit: None,
         }
     }

@@ -108,6 +108,11 @@ fn every_number_of_an_event_has_a_range_that_is_told() {
             "hardware.noise_counts[0] is 2000; allowed: 0 to 1000 counts",
         ),
         ("[hardware]\nbacklash_deg = [-1, 0]", "hardware.backlash_deg[0] is -1; allowed: 0 to 10 degrees"),
+        (
+            "[hardware]\ndelay = 0.03\njitter = 0.002",
+            "hardware.jitter is 0.002; allowed: 0 to 0.001 s, with hardware.delay to .031",
+        ),
+        ("[hardware]\ncable_stiffness = -1", "hardware.cable_stiffness is -1; allowed: 0 to 10 N m/rad"),
         ("[hardware]\ndead_zone = [0, 12]", "hardware.dead_zone[1] is 12; allowed: 0 to 10 V"),
     ];
     for (text, expected) in cases {
@@ -168,4 +173,21 @@ fn a_plant_changes_when_a_weight_comes_and_when_it_goes() {
         [supply(3_999), supply(4_000), supply(4_250), supply(5_000), supply(6_000)],
         [18.0, 18.0, 14.0, 10.0, 18.0]
     );
+}
+
+/// Volts are late by every whole number of ticks up to the most, each as often, and what else is random stays
+/// what it was.
+#[test]
+fn jitter_is_uniform_and_draws_from_nothing_else() {
+    let noise = "noise_counts = [3, 3]\n";
+    let steady = with(&format!("[hardware]\n{noise}")).unwrap();
+    let late = with(&format!("[hardware]\n{noise}delay = 0.002\njitter = 0.003\n")).unwrap();
+    let mut often = [0_u32; 4];
+    for (now, then) in late.befalls(7).zip(steady.befalls(7)).take(40_000) {
+        often[now.jitter as usize] += 1;
+        assert_eq!((now.noise, then.jitter), (then.noise, 0));
+    }
+    assert!(often.iter().all(|&count| count.abs_diff(10_000) < 400), "{often:?}");
+    let alone = with("[hardware]\njitter = 0.003\n").unwrap();
+    assert!(alone.is_more_than_volts(), "every tick is told it");
 }

@@ -4,10 +4,11 @@
 //! (`core/src/monitor/`): here the board's own loop flies the same plants through the same flights, one by
 //! one, and what its supervisor cuts is told.
 
-use super::scenes::Course;
-use super::{Draw, Score, Trial};
+use super::scenes::{Course, SCENES, STEP};
+use super::{Draw, Scene, Score, Trial};
 use crate::parallel::{self, Stop};
-use serde::Serialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
@@ -18,15 +19,26 @@ use twinrotor_sim::device::changes;
 use twinrotor_sim::judged::{self, Ended};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
+/// A flight's name. By another name than its own, so that serde does not take it for text that it may borrow.
+type Name = &'static str;
+
 /// A flight that the board ended.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
     /// Which: `step`, or a scene's name.
-    pub flight: &'static str,
+    #[serde(deserialize_with = "flight")]
+    pub flight: Name,
     /// What the motors were cut for.
     pub condition: Condition,
     /// \[s\] From its beginning.
     pub time: f64,
+}
+
+/// One of the names that a flight has.
+fn flight<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
+    let name = String::deserialize(from)?;
+    let known = std::iter::once(STEP).chain(SCENES.map(Scene::name)).find(|known| *known == name);
+    known.ok_or_else(|| D::Error::custom("a flight of no such name"))
 }
 
 impl Trial {

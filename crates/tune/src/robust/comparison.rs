@@ -91,12 +91,12 @@ pub struct Row {
     /// ours.
     pub p_value: Option<f64>,
     /// What it has beyond its law.
-    pub uses: Vec<&'static str>,
+    pub uses: Vec<String>,
 }
 
 impl Row {
     /// From a controller's scores and ours on the same plants.
-    pub fn new(name: &str, scores: &[Score], ours: Option<&[Score]>, uses: Vec<&'static str>) -> Self {
+    pub fn new(name: &str, scores: &[Score], ours: Option<&[Score]>, uses: Vec<String>) -> Self {
         let all = |of: &dyn Fn(&Score) -> f64| scores.iter().map(of).collect::<Vec<_>>();
         let median = |of: &dyn Fn(&Score) -> f64| quantile(&all(of), 0.5);
         let both = |part: f64, of: fn(&Score) -> PerAxis<f64>| PerAxis {

@@ -2,14 +2,14 @@
 
 use super::Cut;
 use super::scenes::{SCENES, SceneScore};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use twinrotor::axes::PerAxis;
 
 /// One flight in numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Score {
-    /// \[s\] Last time the error was outside 2 % of the step before the disturbance; the disturbance time if
-    /// it still was then.
+    /// \[s\] When the error came within 2 % of the step for good, as [`twinrotor_sim::metrics::Settling`] has
+    /// it; the time of the disturbance if it was outside when that came.
     pub settling_time: PerAxis<f64>,
     /// \[%\] Of the step, before the disturbance.
     pub overshoot_percent: PerAxis<f64>,

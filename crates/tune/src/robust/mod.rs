@@ -18,6 +18,7 @@ mod limits;
 mod plants;
 mod ratio;
 mod scenes;
+mod shard;
 mod survey;
 mod tuning;
 
@@ -28,11 +29,13 @@ pub use limits::Limit;
 pub use plants::{DISTURBANCE, Draw, LAG_SPREAD, SPREAD, Scatter, UNSEEN, allowance, draw, draw_within};
 pub use ratio::{Measure, Ratio};
 pub use scenes::{LEFT, SCENES, Scene, SceneScore, Scenes, WEIGHT};
+pub use shard::Shard;
 pub use survey::{Judged, Surveyed};
 pub use tuning::{Plan, Robust, Tuning, objective};
 
 use crate::parallel::{self, NEVER, Stop};
 use scenes::Course;
+use std::ops::Range;
 use std::sync::Arc;
 use twinrotor::axes::PerAxis;
 use twinrotor::bench::{Hardware, Wear};
@@ -56,6 +59,8 @@ pub struct Trial {
     pub truth: Rig,
     /// The plants of it.
     pub plants: Vec<Draw>,
+    /// How many were drawn before the first of them, which are another part's.
+    pub before: usize,
     /// \[rad\] Where to, from rest at zero with the rotors at rest; both positive.
     pub step: PerAxis<f64>,
     /// \[s\] T_d.
@@ -79,7 +84,16 @@ impl Trial {
     pub fn within(rig: &Rig, count: usize, seed: u64, allowance: f64, scatter: &Scatter) -> Self {
         let plants = draw_within(rig, count, seed, scatter);
         let step = STEP_DEG.map(f64::to_radians);
-        Self { rig: *rig, truth: *rig, plants, step, allowance, scenes: Scenes::Step, device: None }
+        Self {
+            rig: *rig,
+            truth: *rig,
+            plants,
+            before: 0,
+            step,
+            allowance,
+            scenes: Scenes::Step,
+            device: None,
+        }
     }
 
     /// The same, with these scenes.
@@ -92,6 +106,13 @@ impl Trial {
     #[must_use]
     pub fn on(self, device: Option<Arc<dyn Device>>) -> Self {
         Self { device, ..self }
+    }
+
+    /// A part of it: these of its plants alone.
+    #[must_use]
+    pub fn only(&self, plants: Range<usize>) -> Self {
+        let before = self.before + plants.start;
+        Self { plants: self.plants[plants].to_vec(), before, ..self.clone() }
     }
 
     /// The scores of a controller, in the order of the plants.

@@ -4,6 +4,7 @@
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{Effectiveness, PlantParameters};
@@ -17,7 +18,7 @@ pub const SPREAD: f64 = 0.3;
 pub const LAG_SPREAD: f64 = 0.7;
 
 /// How far constants may lie from the preset's.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
     /// Part of the body's constants and thrust gains, 0 to .9.
     pub constants: f64,
@@ -61,8 +62,8 @@ pub const DISTURBANCE: f64 = 2.0;
 /// `count` plants around `rig`. The same seed gives the same plants, and the first of many are those of few.
 ///
 /// L, both inertias, both dampings, K_sp and the four thrust gains (linear and quadratic part by one factor)
-/// are uniform within ±30 %, lags within ±70 %, disturbances within ±2 V. Mass, gravity, friction and
-/// reaction torque are the preset's.
+/// are uniform within ±30 %, lags within ±70 %, disturbances within ±2 V. `tilting_inertia` keeps its part of
+/// yaw's. Mass, gravity, friction, reaction torque and what tilts of the rotors' are the preset's.
 pub fn draw(rig: &Rig, count: usize, seed: u64) -> Vec<Draw> {
     draw_within(rig, count, seed, &Scatter::default())
 }
@@ -87,6 +88,8 @@ fn one(nominal: &PlantParameters<f64>, scatter: &Scatter, rng: &mut impl Rng) ->
     };
     let center_of_mass = around(nominal.center_of_mass, spread);
     let inertia = nominal.inertia.map(|x| around(x, spread));
+    // A part of yaw's inertia, as on the preset.
+    let tilting_inertia = nominal.tilting_inertia * (inertia.yaw / nominal.inertia.yaw);
     let damping = nominal.damping.map(|x| around(x, spread));
     let stiffness = around(nominal.stiffness, spread);
     let factors =
@@ -101,6 +104,7 @@ fn one(nominal: &PlantParameters<f64>, scatter: &Scatter, rng: &mut impl Rng) ->
         effectiveness: nominal.effectiveness.zip(factors, |k, f| k * f),
         quadratic_effectiveness: nominal.quadratic_effectiveness.zip(factors, |k, f| k * f),
         rotor_time_constant,
+        tilting_inertia,
         ..*nominal
     };
     let mut volts = || rng.random_range(-DISTURBANCE..DISTURBANCE);

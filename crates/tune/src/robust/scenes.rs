@@ -15,7 +15,7 @@
 //! counts, in parts of a fifth of the goal: what the move itself costs is in the other scenes.
 
 use super::Trial;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use twinrotor::axes::PerAxis;
 use twinrotor::plant::presets::Envelope;
@@ -34,8 +34,11 @@ const GUST_UNIT: f64 = 0.2;
 /// What the error of a scene that diverges counts as, in parts of the goal.
 const LOST: f64 = 5.0;
 
+/// What the flight is called that scenes are flown beside.
+pub(super) const STEP: &str = "step";
+
 /// What is flown on every plant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scenes {
     /// The cold step from rest alone.
@@ -94,7 +97,7 @@ impl Scene {
 }
 
 /// A scene's flight in numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SceneScore {
     /// \[-\] RMS error over the scene in parts of its goal; after a gust, of a fifth of it.
     pub error: PerAxis<f64>,
@@ -147,7 +150,7 @@ impl Course {
     pub(super) fn step(trial: &Trial) -> Self {
         let disturbance = ticks(trial.allowance, SAMPLE_TIME);
         Self {
-            name: "step",
+            name: STEP,
             goal: trial.step,
             unit: trial.step,
             asked: Asked::Goal(u32::MAX),

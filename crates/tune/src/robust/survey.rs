@@ -2,7 +2,7 @@
 
 use super::{Draw, Spread, Trial, quantile, signed_rank};
 use crate::parallel::{self, Stop};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
@@ -11,7 +11,7 @@ use twinrotor_sim::flight::{self, Fidelity, Flight, Plan, Scalar};
 use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
 
 /// One plant's flight in numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Judged {
     /// \[deg\] RMS of what was asked for minus the true angle, over the whole flight.
     pub rms_deg: PerAxis<f64>,
@@ -77,7 +77,7 @@ impl Trial {
         stop: Stop<'_>,
     ) -> Option<Vec<Judged>> {
         let settings = Settings::new(&self.rig, *controller, SAMPLE_TIME);
-        let plants: Vec<(u64, &Draw)> = (1..).zip(&self.plants).collect();
+        let plants: Vec<(u64, &Draw)> = (self.before as u64 + 1..).zip(&self.plants).collect();
         parallel::try_map(&plants, |(seed, draw)| {
             if stop() {
                 return None;

@@ -1,6 +1,8 @@
 //! `compare`: controllers side by side on the same plants, none of which they were tuned on: the robust
 //! objective's step, or any scenario ([`scenario`]).
 
+pub(super) mod merge;
+mod part;
 mod scenario;
 
 use super::common::{Common, Device, Spreads, no_effect, pair, truth, within};
@@ -8,8 +10,9 @@ use super::{choices, print, print_json, tables};
 use crate::device;
 use crate::error::{Failure, Outcome};
 use crate::files;
-use crate::files::export::{self, Column, Table};
+use crate::files::export;
 use crate::files::output::{self, Outputs};
+use part::{Flown, Head};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -20,9 +23,14 @@ use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
+use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::table::{Column, Table};
 use twinrotor_tune::design::{self, CATALOGUE, Design};
 use twinrotor_tune::parallel::NEVER;
-use twinrotor_tune::robust::{self, Row, Scatter, SceneRow, Score, Trial, Tuning};
+use twinrotor_tune::robust::{self, Row, Scatter, SceneRow, Score, Shard, Trial, Tuning};
+
+/// Most plants of a comparison.
+const MOST_PLANTS: usize = 100_000;
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -70,6 +78,12 @@ pub(super) struct Args {
     /// Write every flight's numbers, a row each: .parquet, .npz or .csv
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
+    /// Fly one part of N of the plants and write it into --out, for 'merge': I/N, such as 3/16
+    #[arg(long, value_name = "I/N", requires = "out", conflicts_with_all = ["export", "tune", "json"])]
+    shard: Option<Shard>,
+    /// File of the part
+    #[arg(long, value_name = "PART", requires = "shard")]
+    out: Option<PathBuf>,
     /// First tune all but ours with one budget, N searches of 500 evaluations, and write the gains into the
     /// folder
     #[arg(long, value_name = "N")]
@@ -94,7 +108,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if args.fidelity != choices::Fidelity::Rig {
         return Err(Failure::Input("--fidelity is ideal; allowed: rig".to_owned()));
     }
-    within("--plants", args.plants, 2, 100_000)?;
+    within("--plants", args.plants, 2, MOST_PLANTS)?;
     let scatter = args.spreads.scatter()?;
     let found = args.device.find()?;
     let trial = trial(args, &named, &scatter)?.on(found.device());
@@ -103,39 +117,81 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         tune_all(args, &named, rounds, &scatter, &mut outputs)?;
     }
     let controllers = controllers(args, &named)?;
-    if let Some(name) = &args.scenario {
-        return scenario::run(args, name, &named, &trial, &controllers);
+    let scenario = args.scenario.as_deref().map(|name| scenario::read(args, name)).transpose()?;
+    let head = Head {
+        preset: named.name.clone(),
+        plants: args.plants,
+        scatter,
+        scenes: args.scenes.into(),
+        seed: args.common.seed,
+        rotor_lag: named.rig.plant.rotor_time_constant,
+        controllers: controllers
+            .iter()
+            .map(|(name, controller)| {
+                (name.clone(), design::uses(controller).into_iter().map(str::to_owned).collect())
+            })
+            .collect(),
+    };
+    if let (Some(shard), Some(path)) = (args.shard, &args.out) {
+        let identity = part::identity(&head, &trial, &controllers, scenario.as_ref());
+        let flown = fly(&trial.only(shard.range(args.plants)), &controllers, scenario.as_ref(), &found)?;
+        outputs.write(path, &part::encode(&identity, &head, shard, &flown));
+        return outputs.done();
     }
-    let fly = |controller| found.all(trial.supervised(controller, NEVER));
-    let scores: Vec<Vec<Score>> =
-        controllers.iter().map(|(_, controller)| fly(controller)).collect::<Outcome<_>>()?;
-    let rows: Vec<Row> = controllers
-        .iter()
-        .zip(&scores)
-        .enumerate()
-        .map(|(k, ((name, c), own))| Row::new(name, own, (k > 0).then_some(&*scores[0]), design::uses(c)))
-        .collect();
-    if let Some(path) = &args.export {
-        let names = controllers.iter().map(|(name, _)| name.as_str());
-        outputs.write(path, &flights(names.zip(&scores)).bytes(path)?);
-    }
-    if args.common.json {
-        print_json(&Document {
-            preset: &named.name,
-            fidelity: args.fidelity.into(),
-            plants: args.plants,
-            spread: scatter.constants,
-            lag_spread: scatter.lag,
-            scenes: args.scenes.into(),
-            seed: args.common.seed,
-            rotor_lag: named.rig.plant.rotor_time_constant,
-            controllers: rows,
-        })?;
-    } else {
-        let note = found.note(args.plants, device::RIG_FLIGHTS);
-        print(&format!("{}{note}", report(args, &named, &rows)))?;
+    let flown = fly(&trial, &controllers, scenario.as_ref(), &found)?;
+    show(&head, &flown, args.common.json, args.export.as_deref(), &mut outputs)?;
+    if !args.common.json && scenario.is_none() {
+        print(&found.note(args.plants, device::RIG_FLIGHTS))?;
     }
     outputs.done()
+}
+
+/// All controllers on all plants of the trial.
+fn fly(
+    trial: &Trial,
+    controllers: &[(String, ControllerSettings<f64>)],
+    scenario: Option<&Scenario>,
+    found: &device::Found,
+) -> Outcome<Flown> {
+    if let Some(scenario) = scenario {
+        return scenario::fly(trial, controllers, scenario);
+    }
+    let fly = |controller| found.all(trial.supervised(controller, NEVER));
+    Ok(Flown::Steps(controllers.iter().map(|(_, controller)| fly(controller)).collect::<Outcome<_>>()?))
+}
+
+/// Tells what came of it.
+fn show(head: &Head, flown: &Flown, json: bool, export: Option<&Path>, outputs: &mut Outputs) -> Outcome<()> {
+    let scores = match flown {
+        Flown::Scenario(scenario, flights) => return scenario::show(head, scenario, flights, json),
+        Flown::Steps(scores) => scores,
+    };
+    let rows: Vec<Row> = head
+        .controllers
+        .iter()
+        .zip(scores)
+        .enumerate()
+        .map(|(k, ((name, uses), own))| Row::new(name, own, (k > 0).then_some(&*scores[0]), uses.clone()))
+        .collect();
+    if let Some(path) = export {
+        let names = head.controllers.iter().map(|(name, _)| name.as_str());
+        outputs.write(path, &export::bytes(&flights(names.zip(scores)), path)?);
+    }
+    if json {
+        print_json(&Document {
+            preset: &head.preset,
+            fidelity: Fidelity::Rig,
+            plants: head.plants,
+            spread: head.scatter.constants,
+            lag_spread: head.scatter.lag,
+            scenes: head.scenes,
+            seed: head.seed,
+            rotor_lag: head.rotor_lag,
+            controllers: rows,
+        })
+    } else {
+        print(&report(head, &rows))
+    }
 }
 
 /// What is read and written.
@@ -158,6 +214,9 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
     if let Some(path) = &args.export {
         export::check("--export", path, false)?;
         outputs.writes("--export", path)?;
+    }
+    if let Some(path) = &args.out {
+        outputs.writes("--out", path)?;
     }
     Ok(outputs)
 }
@@ -310,7 +369,7 @@ dist, hold: error after the disturbance, and before; V/s: volts moved while hold
 sat: time with a motor at its limit; p: chance of such a difference to the first
 ";
 
-fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
+fn report(head: &Head, rows: &[Row]) -> String {
     let mut table = tables::table(&[
         "controller",
         "J",
@@ -349,14 +408,14 @@ fn report(args: &Args, named: &NamedRig, rows: &[Row]) -> String {
             ],
         );
     }
-    let beside = if args.scenes == choices::Scenes::All { scenes(rows) } else { String::new() };
+    let beside = if head.scenes == robust::Scenes::All { scenes(rows) } else { String::new() };
     let uses: Vec<String> = rows.iter().map(|r| tables::listed(&format!("  {}:", r.name), &r.uses)).collect();
     format!(
         "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\n{LEGEND}{beside}\
          uses:\n{}\n",
-        named.name,
-        args.plants,
-        args.common.seed,
+        head.preset,
+        head.plants,
+        head.seed,
         uses.join("\n")
     )
 }

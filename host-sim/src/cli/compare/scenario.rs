@@ -1,12 +1,12 @@
 //! Any scenario on drawn plants, hot or cold, each flown with the board's supervisor.
 
 use super::Args;
+use super::part::{Course, Flown, Head};
 use crate::cli::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::{files, stop};
 use serde::Serialize;
 use twinrotor::controller::ControllerSettings;
-use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_tune::robust::{Judged, Surveyed, Trial};
 
@@ -24,14 +24,8 @@ struct Document<'a> {
     controllers: &'a [Surveyed],
 }
 
-/// Flies and reports.
-pub(super) fn run(
-    args: &Args,
-    name: &str,
-    named: &NamedRig,
-    trial: &Trial,
-    controllers: &[(String, ControllerSettings<f64>)],
-) -> Outcome<()> {
+/// What is to be flown.
+pub(super) fn read(args: &Args, name: &str) -> Outcome<Scenario> {
     let mut scenario = files::scenario(name)?;
     scenario.start.hot |= args.hot;
     scenario.validate()?;
@@ -41,36 +35,52 @@ pub(super) fn run(
             scenario.duration
         )));
     }
+    Ok(scenario)
+}
+
+/// All controllers on all plants of the trial.
+pub(super) fn fly(
+    trial: &Trial,
+    controllers: &[(String, ControllerSettings<f64>)],
+    scenario: &Scenario,
+) -> Outcome<Flown> {
     let listening = stop::listen(stop::Second::Ends);
     let flown: Option<Vec<Vec<Judged>>> = controllers
         .iter()
-        .map(|(_, controller)| trial.survey(controller, &scenario, &stop::requested))
+        .map(|(_, controller)| trial.survey(controller, scenario, &stop::requested))
         .collect();
     drop(listening);
     let Some(flown) = flown else {
         return Err(Failure::Interrupted("not all flights had been flown; nothing is written".to_owned()));
     };
-    let rows: Vec<Surveyed> = controllers
+    let (name, duration, hot) = (scenario.name.clone(), scenario.duration, scenario.start.hot);
+    Ok(Flown::Scenario(Course { name, duration, hot }, flown))
+}
+
+/// Tells what came of it.
+pub(super) fn show(head: &Head, course: &Course, flown: &[Vec<Judged>], json: bool) -> Outcome<()> {
+    let rows: Vec<Surveyed> = head
+        .controllers
         .iter()
-        .zip(&flown)
+        .zip(flown)
         .enumerate()
         .map(|(k, ((name, _), own))| Surveyed::new(name, own, (k > 0).then_some(&*flown[0])))
         .collect();
-    if args.common.json {
+    if json {
         return print_json(&Document {
-            preset: &named.name,
-            scenario: &scenario.name,
-            duration_s: scenario.duration,
-            hot: scenario.start.hot,
-            plants: args.plants,
-            seed: args.common.seed,
+            preset: &head.preset,
+            scenario: &course.name,
+            duration_s: course.duration,
+            hot: course.hot,
+            plants: head.plants,
+            seed: head.seed,
             controllers: &rows,
         });
     }
-    print(&report(args, named, &scenario, &rows))
+    print(&report(head, course, &rows))
 }
 
-fn report(args: &Args, named: &NamedRig, scenario: &Scenario, rows: &[Surveyed]) -> String {
+fn report(head: &Head, course: &Course, rows: &[Surveyed]) -> String {
     let mut table = tables::table(&[
         "controller",
         "fail",
@@ -100,10 +110,10 @@ fn report(args: &Args, named: &NamedRig, scenario: &Scenario, rows: &[Surveyed])
             ],
         );
     }
-    let heat = if scenario.start.hot { "warm motors" } else { "cold motors" };
+    let heat = if course.hot { "warm motors" } else { "cold motors" };
     format!(
         "{}, scenario {}: {} plants that nothing was tuned on, {heat}, flown as the board does, \
          seed {}\n{table}\n",
-        named.name, scenario.name, args.plants, args.common.seed
+        head.preset, course.name, head.plants, head.seed
     )
 }

@@ -14,7 +14,6 @@ use crate::figures;
 use crate::files::export;
 use crate::files::figure;
 use crate::files::output::Outputs;
-use crate::files::recording::{self, Gaps};
 use crate::line::{self, Line, NOT_SEEN, Simulated};
 use crate::stop::{self, Second};
 use desk::Desk;
@@ -31,6 +30,7 @@ use twinrotor_sim::scenario::Inject;
 use twinrotor_station::again::again;
 use twinrotor_station::flown::flown;
 use twinrotor_station::image;
+use twinrotor_station::recording::{self, Gaps};
 use twinrotor_station::session::{End, Ending, Motors, Session};
 
 /// Flags of `fly`.
@@ -43,7 +43,7 @@ pub(super) struct Args {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
     #[arg(long, default_value = "aero2")]
     preset: String,
-    /// Board: f405, f407, nucleo-f411 or nucleo-f446
+    /// Board: f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
     #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board)]
     board: Board,
     /// Gains: 'paper' (Table 4) or a gains file [default: the preset's own]
@@ -169,7 +169,7 @@ fn conclude(
     let recorded = since_zero.map_or(&[][..], |from| &frames[from..]);
     let gaps = recording::gaps(recorded, frame_every);
     let record = if let Some(path) = &args.record {
-        outputs.write(path, &recording::table(recorded, frame_every).bytes(path)?);
+        outputs.write(path, &export::bytes(&recording::table(recorded, frame_every), path)?);
         let Gaps { gaps, .. } = gaps;
         Some(format!("{}: {} ticks, {gaps} gaps", path.display(), recorded.len()))
     } else {

@@ -2,11 +2,11 @@
 
 use super::desk::Step;
 use crate::cli::tables::{self, percent, seconds};
-use crate::files::recording::Gaps;
 use serde::Serialize;
 use std::fmt::Write;
 use twinrotor_sim::flight::Flight;
 use twinrotor_sim::metrics::Report;
+use twinrotor_station::recording::Gaps;
 
 /// What was flown less what was expected, on one axis.
 #[derive(Debug, Clone, Copy, Serialize)]

@@ -1,6 +1,5 @@
 //! The formats that take other people's crates.
 
-use super::{Column, Table};
 use mcap::records::MessageHeader;
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::file::properties::WriterProperties;
@@ -9,102 +8,93 @@ use parquet::schema::parser::parse_message_type;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 use std::sync::Arc;
+use twinrotor_sim::table::{Column, Table};
 use zip::write::SimpleFileOptions;
 
-impl Table {
-    pub(super) fn to_parquet(&self) -> parquet::errors::Result<Vec<u8>> {
-        let fields: String = self
-            .columns
-            .iter()
-            .map(|(name, column)| match column {
-                Column::Numbers(_) => format!("REQUIRED DOUBLE {name};"),
-                Column::Counts(_) => format!("REQUIRED INT64 {name} (INTEGER(64,false));"),
-                Column::Words(_) => format!("REQUIRED BYTE_ARRAY {name} (UTF8);"),
-            })
-            .collect();
-        let schema = Arc::new(parse_message_type(&format!("message table {{ {fields} }}"))?);
-        let mut bytes = Vec::new();
-        let mut writer =
-            SerializedFileWriter::new(&mut bytes, schema, Arc::new(WriterProperties::default()))?;
-        let mut group = writer.next_row_group()?;
-        for (_, column) in &self.columns {
-            let Some(mut place) = group.next_column()? else { break };
-            match column {
-                Column::Numbers(x) => place.typed::<DoubleType>().write_batch(x, None, None)?,
-                // Parquet writes down a number without a sign by its bits.
-                Column::Counts(x) => {
-                    let bits: Vec<i64> = x.iter().map(|count| count.cast_signed()).collect();
-                    place.typed::<Int64Type>().write_batch(&bits, None, None)?
-                }
-                Column::Words(x) => {
-                    let words: Vec<ByteArray> = x.iter().map(|w| w.as_str().into()).collect();
-                    place.typed::<ByteArrayType>().write_batch(&words, None, None)?
-                }
-            };
-            place.close()?;
-        }
-        group.close()?;
-        writer.close()?;
-        Ok(bytes)
-    }
-
-    /// One channel, `/flight`, of JSON messages with a schema; the first column is the time \[s\].
-    pub(super) fn to_mcap(&self) -> mcap::McapResult<Vec<u8>> {
-        let properties: serde_json::Map<String, serde_json::Value> = self
-            .columns
-            .iter()
-            .map(|(name, column)| {
-                let kind = match column {
-                    Column::Numbers(_) => "number",
-                    Column::Counts(_) => "integer",
-                    Column::Words(_) => "string",
-                };
-                (name.clone(), serde_json::json!({"type": kind}))
-            })
-            .collect();
-        let schema = serde_json::json!({"title": "Flight", "type": "object", "properties": properties});
-        let mut writer = mcap::Writer::new(Cursor::new(Vec::new()))?;
-        let schema = writer.add_schema("twinrotor.Flight", "jsonschema", schema.to_string().as_bytes())?;
-        let channel = writer.add_channel(schema, "/flight", "json", &BTreeMap::new())?;
-        let Some((_, Column::Numbers(seconds))) = self.columns.first() else {
-            return Err(mcap::McapError::Io(std::io::Error::other("the first column is no time")));
+pub(super) fn to_parquet(table: &Table) -> parquet::errors::Result<Vec<u8>> {
+    let fields: String = table
+        .columns
+        .iter()
+        .map(|(name, column)| match column {
+            Column::Numbers(_) => format!("REQUIRED DOUBLE {name};"),
+            Column::Counts(_) => format!("REQUIRED INT64 {name} (INTEGER(64,false));"),
+            Column::Words(_) => format!("REQUIRED BYTE_ARRAY {name} (UTF8);"),
+        })
+        .collect();
+    let schema = Arc::new(parse_message_type(&format!("message table {{ {fields} }}"))?);
+    let mut bytes = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(WriterProperties::default()))?;
+    let mut group = writer.next_row_group()?;
+    for (_, column) in &table.columns {
+        let Some(mut place) = group.next_column()? else { break };
+        match column {
+            Column::Numbers(x) => place.typed::<DoubleType>().write_batch(x, None, None)?,
+            // Parquet writes down a number without a sign by its bits.
+            Column::Counts(x) => {
+                let bits: Vec<i64> = x.iter().map(|count| count.cast_signed()).collect();
+                place.typed::<Int64Type>().write_batch(&bits, None, None)?
+            }
+            Column::Words(x) => {
+                let words: Vec<ByteArray> = x.iter().map(|w| w.as_str().into()).collect();
+                place.typed::<ByteArrayType>().write_batch(&words, None, None)?
+            }
         };
-        for (row, second) in seconds.iter().enumerate() {
-            let message: serde_json::Map<String, serde_json::Value> =
-                self.columns.iter().map(|(name, column)| (name.clone(), column.json(row))).collect();
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "an hour of nanoseconds"
-            )]
-            let time = (second * 1e9).round() as u64;
-            let sequence = u32::try_from(row).unwrap_or(u32::MAX);
-            let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time: time };
-            writer
-                .write_to_known_channel(&header, serde_json::Value::Object(message).to_string().as_bytes())?;
-        }
-        writer.finish()?;
-        Ok(writer.into_inner().into_inner())
+        place.close()?;
     }
-
-    pub(super) fn to_npz(&self) -> zip::result::ZipResult<Vec<u8>> {
-        let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
-        let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
-        for (name, column) in &self.columns {
-            archive.start_file(format!("{name}.npy"), options)?;
-            archive.write_all(&npy(column))?;
-        }
-        Ok(archive.finish()?.into_inner())
-    }
+    group.close()?;
+    writer.close()?;
+    Ok(bytes)
 }
 
-impl Column {
-    fn json(&self, row: usize) -> serde_json::Value {
-        match self {
-            Self::Numbers(x) => x[row].into(),
-            Self::Counts(x) => x[row].into(),
-            Self::Words(x) => x[row].as_str().into(),
-        }
+/// One channel, `/flight`, of JSON messages with a schema; the first column is the time \[s\].
+pub(super) fn to_mcap(table: &Table) -> mcap::McapResult<Vec<u8>> {
+    let properties: serde_json::Map<String, serde_json::Value> = table
+        .columns
+        .iter()
+        .map(|(name, column)| {
+            let kind = match column {
+                Column::Numbers(_) => "number",
+                Column::Counts(_) => "integer",
+                Column::Words(_) => "string",
+            };
+            (name.clone(), serde_json::json!({"type": kind}))
+        })
+        .collect();
+    let schema = serde_json::json!({"title": "Flight", "type": "object", "properties": properties});
+    let mut writer = mcap::Writer::new(Cursor::new(Vec::new()))?;
+    let schema = writer.add_schema("twinrotor.Flight", "jsonschema", schema.to_string().as_bytes())?;
+    let channel = writer.add_channel(schema, "/flight", "json", &BTreeMap::new())?;
+    let Some((_, Column::Numbers(seconds))) = table.columns.first() else {
+        return Err(mcap::McapError::Io(std::io::Error::other("the first column is no time")));
+    };
+    for (row, second) in seconds.iter().enumerate() {
+        let message: serde_json::Map<String, serde_json::Value> =
+            table.columns.iter().map(|(name, column)| (name.clone(), json(column, row))).collect();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an hour of nanoseconds")]
+        let time = (second * 1e9).round() as u64;
+        let sequence = u32::try_from(row).unwrap_or(u32::MAX);
+        let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, serde_json::Value::Object(message).to_string().as_bytes())?;
+    }
+    writer.finish()?;
+    Ok(writer.into_inner().into_inner())
+}
+
+pub(super) fn to_npz(table: &Table) -> zip::result::ZipResult<Vec<u8>> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    for (name, column) in &table.columns {
+        archive.start_file(format!("{name}.npy"), options)?;
+        archive.write_all(&npy(column))?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
+
+fn json(column: &Column, row: usize) -> serde_json::Value {
+    match column {
+        Column::Numbers(x) => x[row].into(),
+        Column::Counts(x) => x[row].into(),
+        Column::Words(x) => x[row].as_str().into(),
     }
 }
 
@@ -158,7 +148,7 @@ mod tests {
     #[test]
     fn parquet_reads_back_to_the_bit() {
         let file = tempfile::NamedTempFile::with_suffix(".parquet").unwrap();
-        std::fs::write(file.path(), table().bytes(file.path()).unwrap()).unwrap();
+        std::fs::write(file.path(), super::super::bytes(&table(), file.path()).unwrap()).unwrap();
         let reader = SerializedFileReader::new(std::fs::File::open(file.path()).unwrap()).unwrap();
         let rows: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 3);
@@ -169,7 +159,7 @@ mod tests {
 
     #[test]
     fn mcap_reads_back_in_order_and_time() {
-        let bytes = table().to_mcap().unwrap();
+        let bytes = to_mcap(&table()).unwrap();
         let messages: Vec<_> = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap).collect();
         assert_eq!(messages.len(), 3);
         assert_eq!((messages[2].log_time, messages[2].channel.topic.as_str()), (2_000_000, "/flight"));

@@ -15,7 +15,6 @@ use super::flash::Flash;
 use super::mishaps::Frozen;
 use super::more_clocks::{self, MoreClocks};
 use super::serial::Usart;
-use super::settings::Part;
 use super::supply::Pwr;
 use super::syscfg::Syscfg;
 use super::timer::Timer;
@@ -53,12 +52,12 @@ pub(super) struct Slots {
     pub(super) pwr: usize,
     pub(super) flash: usize,
     pub(super) exti: usize,
-    pub(super) ports: [usize; 9],
-    pub(super) serial: [usize; 6],
+    pub(super) ports: [Option<usize>; 9],
+    pub(super) serial: [Option<usize>; 6],
     pub(super) iwdg: usize,
     pub(super) dbg: usize,
     pub(super) dcb: usize,
-    pub(super) timers: [usize; 14],
+    pub(super) timers: [Option<usize>; 14],
 }
 
 impl Stm32f405 {
@@ -84,16 +83,16 @@ impl Stm32f405 {
             iwdg: wire("IWDG", Field::Iwdg)?,
             dbg: wire("DBG", Field::Dbg)?,
             dcb: wire(debug::NAME, Field::Dcb)?,
-            ports: [0; 9],
-            serial: [0; 6],
-            timers: [0; 14],
+            ports: [None; 9],
+            serial: [None; 6],
+            timers: [None; 14],
         };
         wire("SYSCFG", Field::Syscfg)?;
-        if settings.part == Part::F446 {
-            wire(more_clocks::NAME, Field::MoreClocks)?;
-        }
         wire(armv7m::DWT, Field::Dwt)?;
         wire(models::ADC_COMMON, Field::AdcCommon)?;
+        // And what not every part has.
+        let mut wire = |name, field| settings.part.has(name).then(|| wire(name, field)).transpose();
+        wire(more_clocks::NAME, Field::MoreClocks)?;
         for (nth, name) in PORTS.into_iter().enumerate() {
             slots.ports[nth] = wire(name, Field::Port(nth))?;
         }

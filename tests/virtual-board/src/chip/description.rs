@@ -13,7 +13,7 @@ use super::debug;
 use super::exti;
 use super::flash;
 use super::more_clocks;
-use super::settings::Part;
+use super::parts::Part;
 use super::timer;
 
 /// The interrupt lines, table 61.
@@ -27,22 +27,30 @@ const fn blocks(size: u64, count: u32) -> EraseBlocks {
 }
 
 static SECTORS: [EraseBlocks; 3] = [blocks(16 << 10, 4), blocks(64 << 10, 1), blocks(128 << 10, 7)];
+/// Of half the flash.
+static FEWER_SECTORS: [EraseBlocks; 3] = [blocks(16 << 10, 4), blocks(64 << 10, 1), blocks(128 << 10, 3)];
 
 /// The RAM: where, and how much.
 pub const SRAM: (u64, u64) = (0x2000_0000, 128 << 10);
 /// The core-coupled RAM.
 pub(super) const CCM: (u64, u64) = (0x1000_0000, 64 << 10);
 
+const fn array(size: u64, sectors: &'static [EraseBlocks]) -> Region {
+    Region::flash("flash", flash::BASE, size).erased_in(sectors).erased_to(0xFF).programmed_by("FLASH")
+}
+
+/// With the device's number and the calibration values behind it: 39.1, DS8626 table 72.
+const SYSTEM: Region = Region::system("system", 0x1FFF_0000, 0x7A30);
+
 static MEMORY: [Region; 4] = [
-    Region::flash("flash", flash::BASE, flash::SIZE as u64)
-        .erased_in(&SECTORS)
-        .erased_to(0xFF)
-        .programmed_by("FLASH"),
+    array(flash::SIZE as u64, &SECTORS),
     Region::ram("ccm", CCM.0, CCM.1),
-    // With the device's number and the calibration values behind it: 39.1, DS8626 table 72.
-    Region::system("system", 0x1FFF_0000, 0x7A30),
+    SYSTEM,
     Region::ram("sram", SRAM.0, SRAM.1),
 ];
+/// Without the CCM, with half the flash: RM0383 2.3, RM0390 2.2.2.
+static LESS_MEMORY: [Region; 3] =
+    [array(flash::SIZE as u64 / 2, &FEWER_SECTORS), SYSTEM, Region::ram("sram", SRAM.0, SRAM.1)];
 
 /// Reserved space beside the RAMs, which answers with a bus error: where a stack runs into that has
 /// outgrown its region.
@@ -51,6 +59,12 @@ const RESERVED: [(&str, u64, u64); 4] = [
     ("reserved above the CCM", CCM.0 + CCM.1, 0x10_0000),
     ("reserved below the SRAM", 0x1FFF_C010, SRAM.0 - 0x1FFF_C010),
     ("reserved above the SRAM", SRAM.0 + SRAM.1, 0x10_0000),
+];
+/// The same where there is less.
+const RESERVED_WITH_LESS: [(&str, u64, u64); 3] = [
+    ("reserved above the flash", 0x0808_0000, CCM.0 + CCM.1 + 0x10_0000 - 0x0808_0000),
+    RESERVED[2],
+    RESERVED[3],
 ];
 
 /// A timer of the part: its kind, interrupts (table 61), and the bus that enables and clocks it.
@@ -127,12 +141,10 @@ const fn apb(apb2: bool, enable: bool) -> &'static str {
 }
 
 fn instances(part: Part) -> Vec<Peripheral> {
-    let more: &[Peripheral] = if part == Part::F446 { &[more_clocks::PERIPHERAL] } else { &[] };
     generated::PERIPHERALS
         .iter()
-        .chain([&armv7m::PERIPHERAL, &debug::PERIPHERAL])
-        .chain(more)
-        .filter(|each| !LEFT_OUT.contains(&each.name))
+        .chain([&armv7m::PERIPHERAL, &debug::PERIPHERAL, &more_clocks::PERIPHERAL])
+        .filter(|each| !LEFT_OUT.contains(&each.name) && part.has(each.name))
         .map(|&each| {
             if let Some(timer) = TIMERS.iter().find(|timer| timer.name == each.name) {
                 return Peripheral {
@@ -160,15 +172,11 @@ fn instances(part: Part) -> Vec<Peripheral> {
 
 /// The part's bus, with every gate, reset line and clock.
 pub fn builder(part: Part) -> Builder {
-    let (name, identity) = match part {
-        // Section 38.6.1: device 0x413, revision Y.
-        Part::F405 => ("STM32F405", 0x100F_6413),
-        // RM0390, 33.6.1: device 0x421, revision A.
-        Part::F446 => ("STM32F446", 0x1000_6421),
-    };
-    let cpu = Cpu::new(name, true, INTERRUPT_LINES, Endian::Little);
-    let mut builder = Bus::builder(cpu, &MEMORY, instances(part))
-        .reset("DBG", "DBGMCU_IDCODE", identity)
+    let cpu = Cpu::new(part.name(), true, INTERRUPT_LINES, Endian::Little);
+    let (memory, reserved): (&[Region], &[_]) =
+        if part.is_large() { (&MEMORY, &RESERVED) } else { (&LESS_MEMORY, &RESERVED_WITH_LESS) };
+    let mut builder = Bus::builder(cpu, memory, instances(part))
+        .reset("DBG", "DBGMCU_IDCODE", part.identity())
         .clocked_by(armv7m::DWT, Clock::output("RCC", rcc::HCLK))
         .clocked_by("IWDG", Clock::output("RCC", rcc::IWDG_CLK))
         .reads_requests("RCC")
@@ -181,10 +189,10 @@ pub fn builder(part: Part) -> Builder {
         .reset_by("PWR", Gate::by("RCC", "APB1RSTR", "PWRRST"))
         .reset_by("SYSCFG", Gate::by("RCC", "APB2RSTR", "SYSCFGRST"))
         .gate_writes("RCC", &["BDCR"], Gate::by("PWR", "CR", "DBP"));
-    for (name, base, size) in RESERVED {
+    for &(name, base, size) in reserved {
         builder = builder.aborts_in(name, base, size);
     }
-    for timer in &TIMERS {
+    for timer in TIMERS.iter().filter(|timer| part.has(timer.name)) {
         let source = if timer.on_apb2 { rcc::APB2_TIMERS } else { rcc::APB1_TIMERS };
         builder = builder
             .clocked_by(timer.name, Clock::output("RCC", source))
@@ -195,7 +203,7 @@ pub fn builder(part: Part) -> Builder {
             builder = builder.reads_requests(timer.name);
         }
     }
-    for (name, on_apb2, enable, reset) in SERIAL {
+    for (name, on_apb2, enable, reset) in SERIAL.into_iter().filter(|port| part.has(port.0)) {
         let source = if on_apb2 { rcc::PCLK2 } else { rcc::PCLK1 };
         builder = builder
             .reset(name, "SR", 0xC0)
@@ -203,7 +211,7 @@ pub fn builder(part: Part) -> Builder {
             .gate(name, Gate::by("RCC", apb(on_apb2, true), enable))
             .reset_by(name, Gate::by("RCC", apb(on_apb2, false), reset));
     }
-    for (port, enable, reset) in PORTS.iter().zip(PORT_BITS).map(|(p, (e, r))| (*p, e, r)) {
+    for (port, (enable, reset)) in PORTS.into_iter().zip(PORT_BITS).filter(|(port, _)| part.has(port)) {
         for register in ["MODER", "OSPEEDR", "PUPDR"] {
             builder = builder.reset(port, register, 0);
         }
@@ -222,7 +230,8 @@ pub fn builder(part: Part) -> Builder {
             .gate(controller, Gate::by("RCC", "AHB1ENR", enable))
             .reset_by(controller, Gate::by("RCC", "AHB1RSTR", reset));
     }
-    for (converter, enable) in [("ADC1", "ADC1EN"), ("ADC2", "ADC2EN"), ("ADC3", "ADC3EN")] {
+    let converters = [("ADC1", "ADC1EN"), ("ADC2", "ADC2EN"), ("ADC3", "ADC3EN")];
+    for (converter, enable) in converters.into_iter().filter(|(name, _)| part.has(name)) {
         builder = builder
             .gate(converter, Gate::by("RCC", "APB2ENR", enable))
             .clocked_by(converter, Clock::output("C_ADC", adc::ADCCLK))

@@ -4,7 +4,7 @@ use rigless::device::Device;
 use rigless::soc::stm32f427::generated::dbg::Register;
 use rigless::time::VirtualNanos;
 
-use super::{Settings, Stm32f405, debug};
+use super::{Settings, Stm32f405, debug, there};
 
 /// Where each timer's freeze bit lies, TIM1 first: in `DBGMCU_APB1_FZ` unless the timer is on APB2, 38.16.4.
 const TIMER_FREEZE: [u32; 14] = [0, 0, 1, 2, 3, 4, 5, 1, 16, 17, 18, 6, 7, 8];
@@ -67,7 +67,7 @@ impl Stm32f405 {
     }
 
     fn clock_timer(&mut self, at: VirtualNanos, nth: usize, hz: u64) {
-        let (registers, mut context) = self.bus.drive(at, self.slots.timers[nth]);
+        let (registers, mut context) = self.bus.drive(at, there(self.slots.timers[nth]));
         Device::on_clock(&mut self.timers[nth], hz, registers, &mut context);
     }
 

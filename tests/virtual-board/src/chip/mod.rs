@@ -1,9 +1,9 @@
-//! An STM32F405 on the public traits of `rigless`: the bus of `description` and a model for each peripheral
-//! that a controller board of this kind has use for. The clock tree, power controller, ports, serial ports,
-//! DMA, converters, watchdog and debug component are the crate's own models of the same reference manual,
-//! some of them wrapped to do what they leave out; the timers, the flash, the external interrupts and what a
-//! supply that goes and comes does to the part are here. What differs from part to part, and what may befall
-//! one, is in [`Settings`] and in `mishaps`.
+//! An STM32F405, or an F411 or F446 by what they lack of it (`parts`), on the public traits of `rigless`: the
+//! bus of `description` and a model for each peripheral that a controller board of this kind has use for. The
+//! clock tree, power controller, ports, serial ports, DMA, converters, watchdog and debug component are the
+//! crate's own models of the same reference manual, some of them wrapped to do what they leave out; the
+//! timers, the flash, the external interrupts and what a supply that goes and comes does to the part are
+//! here. What differs from part to part, and what may befall one, is in [`Settings`] and in `mishaps`.
 
 mod assembly;
 pub mod clocks;
@@ -15,6 +15,7 @@ pub mod flash;
 mod mishaps;
 pub mod more_clocks;
 mod part;
+mod parts;
 pub mod serial;
 mod settings;
 pub mod supply;
@@ -37,8 +38,9 @@ use exti::Exti;
 use flash::Flash;
 use mishaps::Frozen;
 use more_clocks::MoreClocks;
+pub use parts::Part;
 use serial::Usart;
-pub use settings::{Part, Settings, StreamStop, Tolerance};
+pub use settings::{Settings, StreamStop, Tolerance};
 use supply::Pwr;
 use syscfg::Syscfg;
 use timer::{Side, Timer};
@@ -124,7 +126,7 @@ impl Stm32f405 {
 
     /// What the outside puts on pin `pin` of port `port` (A is 0).
     pub fn drive_pin(&mut self, at: VirtualNanos, port: usize, pin: u8, level: Option<Level>) {
-        let (registers, mut context) = self.bus.drive(at, self.slots.ports[port]);
+        let (registers, mut context) = self.bus.drive(at, there(self.slots.ports[port]));
         self.ports[port].drive(pin_of(pin), level, registers, &mut context);
     }
 
@@ -145,7 +147,7 @@ impl Stm32f405 {
     }
 
     fn port_registers(&self, port: usize) -> &RegisterFile {
-        self.bus.slots()[self.slots.ports[port]].registers()
+        self.bus.slots()[there(self.slots.ports[port])].registers()
     }
 
     /// The voltage on input `channel` of converter `converter` (ADC1 is 0) \[mV\].
@@ -166,7 +168,7 @@ impl Stm32f405 {
         nth: usize,
         act: impl FnOnce(&mut Timer, &mut RegisterFile, &mut DeviceContext<'_>) -> T,
     ) -> T {
-        let (registers, mut context) = self.bus.drive(at, self.slots.timers[nth]);
+        let (registers, mut context) = self.bus.drive(at, there(self.slots.timers[nth]));
         let timer = &mut self.timers[nth];
         timer.settle(registers, &mut context);
         act(timer, registers, &mut context)
@@ -182,8 +184,9 @@ impl Stm32f405 {
     pub fn take_power_on(&mut self) -> Option<impl Iterator<Item = (u64, u64)> + use<>> {
         let at = self.came_up.take()?;
         let mut random = self.seed ^ at.0.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-        let words =
-            [SRAM, description::CCM].into_iter().flat_map(|(base, size)| (base..base + size).step_by(8));
+        let coupled = self.part().is_large().then_some(description::CCM);
+        let rams = std::iter::once(SRAM).chain(coupled);
+        let words = rams.flat_map(|(base, size)| (base..base + size).step_by(8));
         Some(words.map(move |address| {
             random ^= random << 13;
             random ^= random >> 7;
@@ -191,6 +194,11 @@ impl Stm32f405 {
             (address, random)
         }))
     }
+}
+
+/// The slot of an instance that is only asked for on a part that has it.
+fn there(slot: Option<usize>) -> usize {
+    slot.expect("the part has it")
 }
 
 fn pin_of(pin: u8) -> gpio::Pin {

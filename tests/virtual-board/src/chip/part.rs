@@ -64,8 +64,8 @@ impl Mcu for Stm32f405 {
     }
 
     fn poll(&mut self, now: VirtualNanos) {
-        for (port, &slot) in self.serial.iter_mut().zip(&self.slots.serial) {
-            if port.attached() {
+        for (port, slot) in self.serial.iter_mut().zip(self.slots.serial) {
+            if let Some(slot) = slot.filter(|_| port.attached()) {
                 let (registers, mut context) = self.bus.drive(now, slot);
                 rigless::device::Device::poll(port, registers, &mut context);
             }

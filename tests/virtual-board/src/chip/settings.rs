@@ -1,6 +1,9 @@
 //! What differs from one part, board and laboratory to the next, and what the manual leaves open: a firmware
 //! must do with every one of them.
 
+use super::parts::Part;
+use twinrotor::board::{self, Board};
+
 /// Where in its tolerance the supply's voltage detector lies, datasheet DS8626 table 19.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tolerance {
@@ -40,16 +43,6 @@ impl Default for StreamStop {
     }
 }
 
-/// Which part it is, as far as the firmware can tell the two apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Part {
-    /// STM32F405, reference manual RM0090.
-    #[default]
-    F405,
-    /// STM32F446, RM0390: two clock registers more (6.3.27 and 6.3.28), another identity (33.6.1).
-    F446,
-}
-
 /// What the part is like, and what is soldered beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
@@ -65,6 +58,21 @@ pub struct Settings {
     pub lsi_hz: u64,
     /// What a stopped DMA stream does.
     pub stream_stop: StreamStop,
+    /// The user button's port (A is 0) and pin, which it connects to ground.
+    pub button: Option<(usize, u8)>,
+}
+
+impl Settings {
+    /// A board as it is sold: UM1724, 6.6 and 6.7 of the Nucleo boards, whose clock an ST-LINK feeds in; the
+    /// Black Pill's schematic.
+    pub fn of(known: Board) -> Self {
+        let (crystal_hz, button) = match known {
+            board::BLACK_PILL => (25_000_000, Some((0, 0))),
+            board::NUCLEO_F411 | board::NUCLEO_F446 => (8_000_000, Some((2, 13))),
+            _ => (8_000_000, None),
+        };
+        Self { part: Part::of(known), crystal_hz, button, ..Self::default() }
+    }
 }
 
 impl Default for Settings {
@@ -76,6 +84,7 @@ impl Default for Settings {
             crystal_hz: 8_000_000,
             lsi_hz: 32_000,
             stream_stop: StreamStop::default(),
+            button: None,
         }
     }
 }

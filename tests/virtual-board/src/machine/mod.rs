@@ -76,7 +76,7 @@ pub struct Setup {
 impl Setup {
     /// `firmware` alone, its tick in TIM1's update interrupt.
     pub fn new(firmware: Firmware) -> Self {
-        let settings = Settings { part: firmware.part(), ..Settings::default() };
+        let settings = Settings::of(firmware.board());
         Self {
             firmware,
             images: Vec::new(),

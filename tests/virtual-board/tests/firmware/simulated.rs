@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Faults, Injection};
-use twinrotor::board::{F405, NUCLEO_F411, NUCLEO_F446};
+use twinrotor::board::{BLACK_PILL, Board, F405, NUCLEO_F411, NUCLEO_F446};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::reference::Reference;
@@ -153,23 +153,23 @@ mod every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit {
     }
 }
 
-/// The same rig on another chip, and its user button, which nothing else knows of.
-#[test]
-fn a_nucleo_f446_flies_the_same_bits_and_its_button_is_the_emergency_stop() {
-    let firmware = Firmware::simulated_nucleo_f446().unwrap_or_else(|why| panic!("{why}"));
+/// The same rig on another chip, by its own PWM's steps, and its user button, which nothing else knows of.
+fn flies_the_hosts_bits_and_its_button_is_the_emergency_stop(known: Board) {
+    let firmware = Firmware::simulated_on(known).unwrap_or_else(|why| panic!("{why}"));
     let parameters = parameters(record::BUILT_IN);
     let mut machine = board_of(firmware, &parameters);
     let fly_step = |machine: &mut Machine, then| {
-        let (end, frames, session) = fly_and(machine, plan(&parameters, vec![step(1_500)], Vec::new()), then);
+        let plan = Plan { board: known, ..plan(&parameters, vec![step(1_500)], Vec::new()) };
+        let (end, frames, session) = fly_and(machine, plan, then);
         let identity = session.identity().expect("it said who it is");
-        assert_eq!((identity.chip.as_str(), identity.port), (NUCLEO_F446.chip, RigPort::Simulated));
-        let rig = parameters.rig(NUCLEO_F446);
+        assert_eq!((identity.chip.as_str(), identity.port), (known.chip, RigPort::Simulated));
+        let rig = parameters.rig(known);
         let same = again(&rig, &parameters, &frames, session.said(), None);
         (end, same.unwrap_or_else(|why| panic!("{why}")))
     };
     let flown = End { ending: Ending::Flown, motors: Motors::SeenOff };
     let (end, same) = fly_step(&mut machine, |_| {});
-    println!("nucleo-f446: bit for bit equal over {same} ticks");
+    println!("{}: bit for bit equal over {same} ticks", known.name);
     assert!(end == flown && same > 1_500, "{end:?}, {same} ticks");
     let (end, _) = fly_step(&mut machine, |machine| machine.rig(|rig: &mut AtRest| rig.0.button = true));
     let stop = words::condition(Condition::EmergencyStop);
@@ -179,6 +179,21 @@ fn a_nucleo_f446_flies_the_same_bits_and_its_button_is_the_emergency_stop() {
     let (end, _) = fly_step(&mut machine, |_| {});
     assert_eq!(end, flown);
     assert_nothing_left(&mut machine);
+}
+
+#[test]
+fn a_nucleo_f446_flies_the_hosts_bits_and_its_button_is_the_emergency_stop() {
+    flies_the_hosts_bits_and_its_button_is_the_emergency_stop(NUCLEO_F446);
+}
+
+#[test]
+fn a_nucleo_f411_flies_the_hosts_bits_and_its_button_is_the_emergency_stop() {
+    flies_the_hosts_bits_and_its_button_is_the_emergency_stop(NUCLEO_F411);
+}
+
+#[test]
+fn a_black_pill_flies_the_hosts_bits_and_its_key_is_the_emergency_stop() {
+    flies_the_hosts_bits_and_its_button_is_the_emergency_stop(BLACK_PILL);
 }
 
 /// What was made for a board with another PWM is not flown.

@@ -11,8 +11,12 @@ use embassy_stm32::pac::timer::vals::CcmrInputCcs;
 
 /// \[ms\] A crystal takes a few to start.
 const PATIENCE: u16 = 100;
-/// Of the clock, before TIM11 captures every eighth period.
-const DIVIDE: u8 = 16;
+/// Of the clock, before TIM11 captures every eighth period: to 500 kHz, or as far as it goes.
+#[expect(clippy::cast_possible_truncation, reason = "at most 31")]
+const DIVIDE: u8 = {
+    let divide = BOARD.clocks.source_hz / 500_000;
+    if divide < 31 { divide as u8 } else { 31 }
+};
 const EVERY: u32 = DIVIDE as u32 * 8;
 /// Captures from the first to the last.
 const CAPTURES: u32 = 32;

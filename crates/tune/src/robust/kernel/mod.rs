@@ -14,6 +14,7 @@ use twinrotor_sim::closed_loop::{Hardware, RigLoop};
 use twinrotor_sim::device::{Device, changes};
 use twinrotor_sim::judged::{Flown, HOLD, fly};
 use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
+use twinrotor_sim::metrics::Settling;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// \[ticks\] From one question whether to stop to the next: milliseconds.
@@ -130,13 +131,12 @@ fn score(flown: &Flown, course: &Course) -> Score {
     if flown.diverged {
         return Score::diverged(allowance);
     }
-    let settled = |last: f32| {
-        let last = f64::from(last.max(0.0));
-        if last >= f64::from(course.disturbance - 1) { allowance } else { last * SAMPLE_TIME }
+    let settled = |settling: Settling<f32>| {
+        settling.time(0, course.disturbance.saturating_sub(1)).map_or(allowance, |ticks| ticks * SAMPLE_TIME)
     };
     let hold = HOLD.min(course.disturbance);
     Score {
-        settling_time: flown.last_outside_2.map(settled),
+        settling_time: flown.settling_2.map(settled),
         overshoot_percent: flown.overshoot.zip(course.goal, |most, step| 100.0 * f64::from(most) / step),
         disturbance_rms_deg: rms(flown.disturbed_squares, course.end - course.disturbance)
             .map(f64::to_degrees),
@@ -165,86 +165,4 @@ fn rms(squares: PerAxis<f32>, ticks: u32) -> PerAxis<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::Scenes;
-    use super::*;
-    use crate::design::CATALOGUE;
-    use std::hint::black_box;
-    use twinrotor::plant::presets;
-    use twinrotor::reference::Reference;
-    use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop as _};
-    use twinrotor_sim::judged::HOT;
-    use twinrotor_sim::lanes::{in_lanes_with, levels};
-
-    /// Every lane against the board's own control loop on that plant, tick by tick.
-    struct Compared<'a> {
-        flights: Flights<'a>,
-        boards: Vec<BoardLoop>,
-        name: &'a str,
-    }
-
-    impl Kernel for Compared<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn run<R: Real<Scalar = f32>>(mut self) {
-            let plants = self.flights.plants;
-            let mut lanes = self.flights.closed_loop::<R>();
-            let push = self.flights.disturbance::<R>();
-            let course = self.flights.course;
-            let mut asked = Reference::default();
-            for tick in 0..course.end {
-                asked = course.asked(tick).unwrap_or(asked);
-                let part = course.push(tick);
-                let group = part.map_or(PerMotor::zero(), |part| push.scaled(R::splat(part)));
-                if course.hot && tick == 1 {
-                    lanes.warm(R::from_f64(HOT));
-                    self.boards.iter_mut().for_each(|board| board.warm(f32::from_f64(HOT)));
-                }
-                let together = black_box(&mut lanes).tick(&Reference::splat(&asked), group);
-                for (k, board) in self.boards.iter_mut().enumerate() {
-                    let alone_push = part
-                        .map_or(PerMotor::zero(), |part| plants[k].disturbance.cast::<f32>().scaled(part));
-                    let alone = board.tick(&asked, alone_push);
-                    let bits = |x: f32| x.to_bits();
-                    assert_eq!(
-                        (alone.state.angle.map(bits), alone.applied.map(bits)),
-                        (
-                            together.state.angle.map(|x| bits(x.lane(k))),
-                            together.applied.map(|x| bits(x.lane(k)))
-                        ),
-                        "{}, {}, plant {k}, tick {tick}",
-                        self.name,
-                        course.name
-                    );
-                }
-            }
-        }
-    }
-
-    /// In every lane, with every instruction set, the drawn plant flies the step and every scene, bit for
-    /// bit, as it does with the board's own control loop.
-    #[test]
-    fn a_lane_is_the_boards_flight() {
-        for (name, rig) in
-            [("integral", presets::PAPER), ("cancelling", presets::AERO_LAB), ("lqi", presets::AERO2)]
-        {
-            let design = CATALOGUE.iter().find(|(n, _)| *n == name).expect("it is there").1;
-            let settings = Settings::new(&rig, design(&rig), SAMPLE_TIME).map(f32::from_f64);
-            let trial = Trial { scenes: Scenes::All, ..Trial::new(&rig, 3, 11, 0.75) };
-            for (course, level) in
-                Course::all(&trial).iter().flat_map(|c| levels().into_iter().map(move |l| (c, l)))
-            {
-                let flights = Flights::new(&trial, course, &settings, &trial.plants);
-                let boards = trial
-                    .plants
-                    .iter()
-                    .map(|d| {
-                        let plant = RealPlant::new(&d.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-                        BoardLoop::new(plant, &Hardware::of(&rig, d.encoder_phase), &settings)
-                    })
-                    .collect();
-                in_lanes_with(level, Compared { flights, boards, name });
-            }
-        }
-    }
-}
+mod tests;

@@ -1,7 +1,9 @@
-//! A recorded flight, out of the CSV that `fly --record` or `simulate --csv` writes, as rows to be drawn.
+//! A recorded flight, out of the CSV or MCAP that `fly --record` or `simulate` writes, as rows to be drawn.
+
+mod csv;
+mod mcap;
 
 use crate::desk::samples::{self, COLUMNS};
-use std::str::FromStr;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::telemetry::Frame;
@@ -38,39 +40,7 @@ const NAMES: [[&str; 2]; 14] = [
 ///
 /// If the file has no flight, is longer than ten minutes, or a row is not as it should be: which, and why.
 pub fn read(file: &[u8]) -> Outcome<Vec<f32>> {
-    let text = std::str::from_utf8(file).map_err(|_| unusable("it is no text; a CSV file is read"))?;
-    let mut lines = text.lines().zip(1_u32..).filter(|(line, _)| !line.trim().is_empty());
-    let (head, _) = lines.next().ok_or_else(|| unusable("the file is empty"))?;
-    let head: Vec<&str> = head.split(',').map(str::trim).collect();
-    let places = NAMES.map(|names| head.iter().position(|name| !name.is_empty() && names.contains(name)));
-    if let Some(missing) = places.iter().take(3).position(Option::is_none) {
-        let [one, other] = NAMES[missing];
-        let told =
-            format!("it has no column {one} or {other}; fly --record and simulate --csv write such files");
-        return Err(unusable(&told));
-    }
-    // A record has the volts that act in a tick, those of the tick before; a page draws what a tick decides.
-    let acting = head.contains(&"v0");
-    let mut flight = Flight::default();
-    for (line, number) in lines {
-        let fields: Vec<&str> = line.split(',').collect();
-        let wrong = |why: &str| unusable(&format!("line {number}: {why}"));
-        if fields.len() != head.len() {
-            return Err(wrong(&format!("{} values for {} columns", fields.len(), head.len())));
-        }
-        let field = |place: usize| places[place].map(|place| fields[place].trim());
-        let time = field(0).and_then(|time| f64::from_str(time).ok()).filter(|time| time.is_finite());
-        let time = time.ok_or_else(|| wrong("t is no number"))?;
-        let mut values = [f32::NAN; NAMES.len()];
-        for (place, value) in values.iter_mut().enumerate().skip(1) {
-            let Some(field) = field(place) else { continue };
-            let number = f64::from_str(field).map_err(|_| wrong(&format!("'{field}' is no number")))?;
-            #[expect(clippy::cast_possible_truncation, reason = "what telemetry told, or is drawn")]
-            let drawn = number as f32;
-            *value = drawn;
-        }
-        flight.take(time, &values, acting).map_err(wrong)?;
-    }
+    let mut flight = if file.starts_with(mcap::MAGIC) { mcap::read(file) } else { csv::read(file) }?;
     flight.note_last();
     if flight.rows.is_empty() { Err(unusable("it has no rows")) } else { Ok(flight.rows) }
 }
@@ -79,10 +49,18 @@ fn unusable(why: &str) -> Error {
     Error::Unusable(format!("the recorded flight: {why}"))
 }
 
+/// A column that must be there is not.
+fn without(column: usize) -> Error {
+    let [one, other] = NAMES[column];
+    let names = if one == other { one.to_owned() } else { format!("{one} or {other}") };
+    unusable(&format!("it has no column {names}; fly --record and simulate --csv write such files"))
+}
+
 /// What has been read.
-#[derive(Default)]
 struct Flight {
     rows: Vec<f32>,
+    /// A record has the volts that act in a tick, those of the tick before; a page draws what a tick decides.
+    acting: bool,
     /// \[s\] When it begins.
     begun: Option<f64>,
     /// The last row, which waits for the volts of the next.
@@ -90,7 +68,16 @@ struct Flight {
 }
 
 impl Flight {
-    fn take(&mut self, time: f64, values: &[f32; NAMES.len()], acting: bool) -> Result<(), &'static str> {
+    const fn new(acting: bool) -> Self {
+        Self { rows: Vec::new(), acting, begun: None, last: None }
+    }
+
+    /// A row, in the order of [`NAMES`]: not a number where there is none.
+    fn take(&mut self, values: &[f64; NAMES.len()]) -> Result<(), &'static str> {
+        let time = values[0];
+        if !time.is_finite() {
+            return Err("t is no number");
+        }
         let begun = *self.begun.get_or_insert(time);
         let ticks = ((time - begun) / SAMPLE_TIME).round();
         if ticks > f64::from(MOST_TICKS) {
@@ -101,10 +88,12 @@ impl Flight {
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 600,000")]
         let tick = ticks as u32;
-        let [_, pitch, yaw, to_pitch, to_yaw, pitch_rate, yaw_rate, main, tail, rest @ ..] = *values;
+        #[expect(clippy::cast_possible_truncation, reason = "what telemetry told, or is drawn")]
+        let drawn = values.map(|value| value as f32);
+        let [_, pitch, yaw, to_pitch, to_yaw, pitch_rate, yaw_rate, main, tail, rest @ ..] = drawn;
         let [demand_main, demand_tail, pitch_disturbance, yaw_disturbance, supply] = rest;
         let volts = PerMotor::new(main, tail);
-        if let Some(last) = self.last.as_mut().filter(|last| acting && last.tick + 1 == tick) {
+        if let Some(last) = self.last.as_mut().filter(|last| self.acting && last.tick + 1 == tick) {
             last.volts = volts;
         }
         self.note_last();
@@ -139,6 +128,7 @@ impl Flight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ::mcap as the_library;
 
     fn refusal(file: &str) -> String {
         read(file.as_bytes()).unwrap_err().to_string()
@@ -180,5 +170,48 @@ mod tests {
             assert!(refusal.contains(told), "{file:?}: {refusal}");
         }
         assert!(read(&[0xff, 0xfe]).unwrap_err().to_string().contains("no text"));
+    }
+
+    /// Messages in a file, as `host-sim` writes them.
+    fn mcap(messages: &[&str], topic: &str) -> Vec<u8> {
+        let mut writer = the_library::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+        let schema = writer.add_schema("twinrotor.Flight", "jsonschema", b"{}").unwrap();
+        let channel_id =
+            writer.add_channel(schema, topic, "json", &std::collections::BTreeMap::new()).unwrap();
+        for (sequence, message) in (0..).zip(messages) {
+            let header =
+                the_library::records::MessageHeader { channel_id, sequence, log_time: 0, publish_time: 0 };
+            writer.write_to_known_channel(&header, message.as_bytes()).unwrap();
+        }
+        writer.finish().unwrap();
+        writer.into_inner().into_inner()
+    }
+
+    #[test]
+    fn the_same_record_is_read_out_of_either_format() {
+        let csv = b"t,pitch,yaw,v0,v1,state\n0.001,0.25,-1,2,3,armed\n0.002,0.5,-2,4,5,armed\n";
+        let messages = [
+            r#"{"t": 0.001, "pitch": 0.25, "yaw": -1.0, "v0": 2.0, "v1": 3.0, "state": "armed"}"#,
+            r#"{"t": 0.002, "pitch": 0.5, "yaw": -2.0, "v0": 4.0, "v1": 5.0, "state": "armed"}"#,
+        ];
+        let bits = |rows: Vec<f32>| rows.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+        let rows = |file: &[u8]| bits(read(file).unwrap());
+        assert_eq!(rows(&mcap(&messages, "/flight")), rows(csv));
+        for (messages, topic, told) in [
+            (&messages[..], "/odometry", "no channel /flight"),
+            (&[r#"{"t": 0, "pitch": 1}"#], "/flight", "no column yaw or psi"),
+            (&[messages[0], r#"{"t": 0.002, "pitch": "up"}"#], "/flight", "message 2: 'pitch' is no number"),
+            (&[messages[0], "{"], "/flight", "message 2: EOF"),
+            (&[messages[1], messages[0]], "/flight", "message 2: t runs backwards"),
+        ] {
+            let refusal = read(&mcap(messages, topic)).unwrap_err().to_string();
+            assert!(refusal.contains(told), "{refusal}");
+        }
+        let mut cut = mcap(&messages, "/flight");
+        for length in (8..cut.len()).rev() {
+            cut.truncate(length);
+            // Some of it or a refusal, never a panic.
+            let _ = read(&cut);
+        }
     }
 }
