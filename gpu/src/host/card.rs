@@ -2,7 +2,7 @@
 //! nothing more.
 
 use super::driver::{Argument, Driver, Fault};
-use super::work::{PLANT, Work, plant_words};
+use super::work::{Work, plant_length, plant_words};
 use crate::integral;
 use crate::robust::{self, ended, usual};
 use std::string::{String, ToString};
@@ -90,6 +90,7 @@ impl<D: Driver> Card<D> {
         let (controllers, plants) = (work.controllers.len(), work.plants.len());
         let mut all: Vec<Option<T>> = std::vec![None; controllers * plants];
         let shared = [self.driver.upload(&work.common)?, self.driver.upload(&work.course)?];
+        let plant = plant_length(work.plants);
         let mut most = MOST;
         let mut from = 0;
         while from < plants {
@@ -97,7 +98,7 @@ impl<D: Driver> Card<D> {
                 return Ok(None);
             }
             let free = usize::try_from(self.driver.free()?).unwrap_or(usize::MAX);
-            let part = Part::fitting(free, W, most, controllers, plants - from);
+            let part = Part::fitting(free, [plant, W], most, controllers, plants - from);
             let these = work.plants.get(from..from + part.plants).unwrap_or_default();
             match self.part(kernel, &shared, work, these, part.controllers, stop) {
                 Ok(Some(sums)) => {
@@ -130,7 +131,9 @@ impl<D: Driver> Card<D> {
         controllers: usize,
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<Vec<T>>, Fault> {
-        let numbers = self.driver.upload(&plant_words(plants))?;
+        let numbers = plant_words(plants);
+        let numbers_length = numbers.len();
+        let numbers = self.driver.upload(&numbers)?;
         let mut sums = Vec::with_capacity(work.controllers.len() * plants.len());
         for group in work.controllers.chunks(controllers) {
             if stop() {
@@ -148,7 +151,7 @@ impl<D: Driver> Card<D> {
                 number(settings_length)?,
                 number(each)?,
                 Argument::Words(&numbers),
-                number(plants.len() * PLANT)?,
+                number(numbers_length)?,
                 number(plants.len())?,
                 Argument::Words(course),
                 number(work.course.len())?,
@@ -212,13 +215,19 @@ struct Part {
 }
 
 impl Part {
-    /// Into `free` bytes, of which a tenth is left alone, with so many words for each flight, at most `most`
-    /// flights.
-    fn fitting(free: usize, flight: usize, most: usize, controllers: usize, plants: usize) -> Self {
+    /// Into `free` bytes, of which a tenth is left alone, with so many words for each plant and each flight,
+    /// at most `most` flights.
+    fn fitting(
+        free: usize,
+        [plant, flight]: [usize; 2],
+        most: usize,
+        controllers: usize,
+        plants: usize,
+    ) -> Self {
         let words = free / 10 * 9 / size_of::<u32>();
         let fewest = FEWEST.min(plants);
-        let here = plants.min(most).min((words / (PLANT + flight)).max(fewest));
-        let left = words.saturating_sub(here * PLANT) / (here * flight);
+        let here = plants.min(most).min((words / (plant + flight)).max(fewest));
+        let left = words.saturating_sub(here * plant) / (here * flight);
         Self { plants: here, controllers: controllers.min(left.min(most / here)).max(1) }
     }
 }

@@ -79,28 +79,31 @@ fn change_words(change: &Change) -> [u32; CHANGE] {
     [change.tick, flags, a, b, c, d, e, f, change.push.unwrap_or(0.0).to_bits()]
 }
 
-/// Words of a plant.
-pub(super) const PLANT: usize = PLANT_CONSTANTS + ROTORS + 4;
-const PLANT_CONSTANTS: usize = 22;
-const ROTORS: usize = 14;
+/// A plant's numbers, in the order in which a thread reads them.
+fn plant_numbers(draw: &Draw) -> Vec<u32> {
+    let mut words = Vec::new();
+    let mut push = |x: f32| words.push(x.to_bits());
+    let constants: PlantParameters<f32> = draw.plant.map(f32::from_f64);
+    constants.map(&mut push);
+    LaggedRotors::<f32>::new(&draw.plant, SAMPLE_TIME).map(&mut push);
+    let disturbance: PerMotor<f32> = draw.disturbance.cast();
+    let phase: PerAxis<f32> = draw.encoder_phase.cast();
+    disturbance.map(&mut push);
+    phase.map(&mut push);
+    words
+}
 
-/// The plants' numbers, each in the order in which a thread reads them, neighbours side by side.
+/// How many words a plant has.
+pub(super) fn plant_length(plants: &[Draw]) -> usize {
+    plants.first().map_or(0, |draw| plant_numbers(draw).len())
+}
+
+/// The plants' numbers, neighbours side by side.
 pub(super) fn plant_words(plants: &[Draw]) -> Vec<u32> {
-    let mut words = std::vec![0; plants.len() * PLANT];
+    let mut words = std::vec![0; plants.len() * plant_length(plants)];
     for (p, draw) in plants.iter().enumerate() {
-        let mut next = words.iter_mut().skip(p).step_by(plants.len());
-        let mut push = |x: f32| {
-            if let Some(word) = next.next() {
-                *word = x.to_bits();
-            }
-        };
-        let constants: PlantParameters<f32> = draw.plant.map(f32::from_f64);
-        constants.map(&mut push);
-        LaggedRotors::<f32>::new(&draw.plant, SAMPLE_TIME).map(&mut push);
-        let disturbance: PerMotor<f32> = draw.disturbance.cast();
-        let phase: PerAxis<f32> = draw.encoder_phase.cast();
-        disturbance.map(&mut push);
-        phase.map(&mut push);
+        let place = words.iter_mut().skip(p).step_by(plants.len());
+        place.zip(plant_numbers(draw)).for_each(|(word, number)| *word = number);
     }
     words
 }
