@@ -25,6 +25,7 @@ done
 "$host_sim" fly --port "$address" --board "$board" --yes --write --report "$folder/report.json"
 grep -q '"port": "simulated"' "$folder/report.json"
 grep -q '"differs": null' "$folder/report.json"
+grep -Eq '"serial": "[0-9A-F]{24}"' "$folder/report.json"
 equal=$(sed -n 's/.*"equal_ticks": \([0-9]*\).*/\1/p' "$folder/report.json")
 [ "$equal" -gt 20000 ] || { echo "only $equal ticks were compared" >&2; exit 1; }
 

@@ -19,7 +19,9 @@ use twinrotor::control_loop::Status;
 use twinrotor::conversation::outgoing::{Outgoing, Waiting};
 use twinrotor::conversation::{Action, Board, Conversation, Loop};
 use twinrotor::first_power::Verdict;
-use twinrotor::link::{self, Decoder, Health, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost};
+use twinrotor::link::{
+    self, ChipSerial, Decoder, Health, LinkError, MAX_FRAME, Refusal, ResetReport, ToBoard, ToHost,
+};
 use twinrotor::parameters::{Parameters, Provenance};
 use twinrotor::sequence::Numbered;
 use twinrotor::telemetry::Frame;
@@ -46,6 +48,7 @@ pub(crate) fn start(
         firmware: env!("CARGO_PKG_VERSION"),
         chip: BOARD.known.chip,
         port: Port::KIND,
+        serial: ChipSerial(embassy_stm32::uid::uid()),
         nonce: nonce::draw(),
         reset,
         baud: link::BAUD,

@@ -12,7 +12,7 @@ pub mod outgoing;
 mod tests;
 
 use crate::control_loop::{OperatorCommand, Status};
-use crate::link::{self, Identity, LinkError, Nonce, Refusal, ResetReport, ToBoard, ToHost};
+use crate::link::{self, ChipSerial, Identity, LinkError, Nonce, Refusal, ResetReport, ToBoard, ToHost};
 use crate::parameters::{self, Parameters, Provenance};
 use crate::replay::{Replay, Replayed, Sample};
 use crate::rig_port::RigPort;
@@ -33,6 +33,8 @@ pub struct Board {
     pub chip: &'static str,
     /// What its rig is.
     pub port: RigPort,
+    /// Its chip's own number; zeros where there is no chip.
+    pub serial: ChipSerial,
     /// What this boot is known by: another one than the last boot's.
     pub nonce: Nonce,
     /// What ended the firmware before this boot, if it was no ordinary reset.
@@ -300,6 +302,7 @@ impl Conversation {
         ToHost::Identity(Identity {
             firmware: link::text(self.board.firmware),
             chip: link::text(self.board.chip),
+            serial: self.board.serial,
             port: self.board.port,
             parameters: parameters::VERSION,
             provenance: self.provenance,

@@ -22,6 +22,7 @@ const BOARD: Board = Board {
     firmware: "0.1.0",
     chip: "stm32f405rg",
     port: RigPort::Pwm,
+    serial: ChipSerial([7; 12]),
     nonce: NONCE,
     reset: None,
     baud: link::BAUD,
@@ -53,6 +54,7 @@ impl Host {
         };
         host.sequence = identity.expected;
         assert_eq!((identity.nonce, identity.provenance), (NONCE, provenance));
+        assert_eq!(identity.serial, BOARD.serial);
         host
     }
 

@@ -49,7 +49,7 @@ use serde::{Deserialize, Serialize};
 /// \[baud\] Of the serial line between host and board: 8 data bits, no parity, 1 stop bit.
 pub const BAUD: u32 = 1_000_000;
 /// Version of the messages, the first byte of each.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 /// \[byte\] The most that a frame of telemetry takes on the wire.
 pub const MAX_TELEMETRY: u32 = 90;
 
@@ -203,6 +203,18 @@ pub struct Health {
     pub stack_size: u32,
 }
 
+/// A chip's unique number, 96 bits as they lie in its memory (reference manuals RM0090, 39.1; RM0440, 48.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ChipSerial(pub [u8; 12]);
+
+impl core::fmt::Display for ChipSerial {
+    /// 24 digits, as its maker's tools have it: three words, most significant digit first.
+    fn fmt(&self, to: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let (words, _) = self.0.as_chunks::<4>();
+        words.iter().try_for_each(|word| write!(to, "{:08X}", u32::from_le_bytes(*word)))
+    }
+}
+
 /// Who the board is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
@@ -210,6 +222,8 @@ pub struct Identity {
     pub firmware: String<16>,
     /// Its chip, such as `stm32f405rg`.
     pub chip: String<16>,
+    /// Which one of these, as its maker has numbered it; zeros for a board that is no chip.
+    pub serial: ChipSerial,
     /// What its rig is.
     pub port: RigPort,
     /// Version of the parameter record.

@@ -148,6 +148,13 @@ fn a_line_carries_the_frames_that_it_is_said_to() {
     }
 }
 
+/// As ST's programmers print it: the word at the lowest address first, its most significant digit first.
+#[test]
+fn a_chips_number_has_24_digits() {
+    let serial = ChipSerial([0x78, 0x56, 0x34, 0x12, 0, 0, 0, 0, 0xEF, 0xBE, 0xAD, 0xDE]);
+    assert_eq!(serial.to_string(), "1234567800000000DEADBEEF");
+}
+
 #[test]
 fn another_version_is_named() {
     let mut plain = [VERSION + 1, 0, 0, 0, 0, 0];

@@ -9,7 +9,7 @@ use twinrotor::conversation::commands::{self, Commands};
 use twinrotor::conversation::{Action, Board, Conversation, Loop};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
-use twinrotor::link::{self, LinkError, Nonce, Refusal, ToBoard};
+use twinrotor::link::{self, ChipSerial, LinkError, Nonce, Refusal, ToBoard};
 use twinrotor::parameters::Provenance;
 use twinrotor::reference::Reference;
 use twinrotor::replay::Sample;
@@ -79,6 +79,7 @@ impl FuzzedBoard {
             firmware: "0",
             chip: "none",
             port: RigPort::Pwm,
+            serial: ChipSerial::default(),
             nonce: NONCE,
             reset: None,
             baud: link::BAUD,

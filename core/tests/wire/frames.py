@@ -12,7 +12,7 @@ import struct
 import sys
 import zlib
 
-MESSAGES_VERSION, RECORD_VERSION = 4, 7
+MESSAGES_VERSION, RECORD_VERSION = 5, 7
 # Of the boot that messages are meant for.
 NONCE = 0x89AB_CDEF
 
@@ -105,7 +105,8 @@ def to_host():
     for number in range(27):
         yield f"frame-fault-{number}", whole(0) + whole(1) + whole(4) + whole(number) + whole(0) + tail
     yield "health", whole(1) + whole(1) + whole(2) + whole(3) + whole(150_000) + whole(4) + whole(16_384)
-    identity = whole(2) + text("0.1.0") + text("stm32f405rg") + whole(1) + whole(RECORD_VERSION)
+    serial = bytes(range(1, 13))
+    identity = whole(2) + text("0.1.0") + text("stm32f405rg") + serial + whole(1) + whole(RECORD_VERSION)
     boot = whole(NONCE) + whole(300)
     yield "identity", identity + whole(0) + boot + b"\x00"
     yield "identity-reset", identity + whole(1) + boot + b"\x01" + whole(20) + whole(0x0801_2345) + whole(7)

@@ -7,7 +7,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Faults, Injection};
 use twinrotor::first_power::{Fault, Motor, Verdict};
 use twinrotor::link::{
-    Health, Identity, MAX_FRAME, Nonce, Refusal, ResetReport, ToBoard, ToHost, encode, text,
+    ChipSerial, Health, Identity, MAX_FRAME, Nonce, Refusal, ResetReport, ToBoard, ToHost, encode, text,
 };
 use twinrotor::parameters::{self, Provenance};
 use twinrotor::reference::Reference;
@@ -19,6 +19,7 @@ use twinrotor::telemetry::{Frame, InForce, Kept, Taken, TrialPhase};
 use twinrotor::trial::Attempt;
 
 /// Of the boot that messages are meant for.
+const SERIAL: ChipSerial = ChipSerial([1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
 const NONCE: Nonce = Nonce(0x89AB_CDEF);
 
 fn framed(message: &impl Serialize) -> Vec<u8> {
@@ -182,6 +183,7 @@ fn answers() -> Vec<(String, ToHost)> {
         ToHost::Identity(Identity {
             firmware: text("0.1.0"),
             chip: text("stm32f405rg"),
+            serial: SERIAL,
             port: RigPort::Simulated,
             parameters: parameters::VERSION,
             provenance,

@@ -5,7 +5,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::control_loop::Status;
 use twinrotor::conversation::{self, Action, Conversation, Loop};
 use twinrotor::gains;
-use twinrotor::link::Refusal;
+use twinrotor::link::{ChipSerial, Refusal};
 use twinrotor::parameters::Provenance;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets;
@@ -30,6 +30,7 @@ fn board(nonce: u32) -> Conversation {
         firmware: "0.1.0",
         chip: "stm32f405rg",
         port: RigPort::Pwm,
+        serial: ChipSerial::default(),
         nonce: Nonce(nonce),
         reset: None,
         baud: link::BAUD,

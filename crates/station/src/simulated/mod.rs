@@ -14,7 +14,7 @@ use twinrotor::conversation::{Action, Board, Conversation, Loop};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::CounterWidth;
 use twinrotor::first_power::Verdict;
-use twinrotor::link::{BAUD, Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, encode};
+use twinrotor::link::{BAUD, ChipSerial, Decoder, Health, MAX_FRAME, Nonce, Refusal, ToHost, encode};
 use twinrotor::parameters::ram_flash::RamFlash;
 use twinrotor::parameters::store::{SLOT_SIZE, Store};
 use twinrotor::parameters::{self, Parameters, Provenance};
@@ -115,6 +115,7 @@ impl SimulatedBoard {
             firmware: env!("CARGO_PKG_VERSION"),
             chip: "simulated",
             port,
+            serial: ChipSerial::default(),
             nonce: Nonce(boots),
             reset: None,
             baud: BAUD,

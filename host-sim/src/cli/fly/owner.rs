@@ -5,7 +5,7 @@ use super::desk::Desk;
 use super::task::Task;
 use crate::error::{Failure, Outcome};
 use serde::Serialize;
-use twinrotor::link;
+use twinrotor::link::{self, ChipSerial};
 use twinrotor::rig_port::RigPort;
 use twinrotor_sim::Outcome as Verified;
 use twinrotor_station::session::End;
@@ -17,6 +17,8 @@ struct Document<'a> {
     firmware: &'a str,
     link: u8,
     chip: &'a str,
+    /// Which one of these, if it is a chip.
+    serial: Option<String>,
     port: RigPort,
     preset: &'a str,
     gains: &'a str,
@@ -50,6 +52,7 @@ pub(super) fn report(
         firmware: &identity.firmware,
         link: link::VERSION,
         chip: &identity.chip,
+        serial: (identity.serial != ChipSerial::default()).then(|| identity.serial.to_string()),
         port: identity.port,
         preset: &task.named.name,
         gains: &task.gains_name,

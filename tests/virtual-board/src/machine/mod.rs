@@ -39,6 +39,11 @@ pub const MILLISECOND: u64 = 1_000_000;
 /// The control tick: TIM1's update interrupt.
 pub const TICK: &str = "TIM1_UP_TIM10";
 
+/// Where the factory has put a part's unique number: RM0090, 39.1.
+const SERIAL_ADDRESS: u64 = 0x1FFF_7A10;
+/// This part's.
+pub const SERIAL: [u8; 12] = *b"virtualboard";
+
 /// Why a run ended before it was asked to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure(pub String);
@@ -56,7 +61,8 @@ impl std::error::Error for Failure {}
 pub struct Setup {
     /// The firmware.
     pub firmware: Firmware,
-    /// Bytes put into the flash beside it, by address: a gains image.
+    /// Bytes put into the flash beside it, and into the part's own memory, by address: a gains image, the
+    /// part's unique number.
     pub images: Vec<(u64, Vec<u8>)>,
     /// How the amplifiers are connected.
     pub amplifiers: Amplifiers,
@@ -79,7 +85,7 @@ impl Setup {
         let settings = Settings::of(firmware.board());
         Self {
             firmware,
-            images: Vec::new(),
+            images: vec![(SERIAL_ADDRESS, SERIAL.to_vec())],
             amplifiers: Amplifiers::default(),
             tick: TICK,
             settings,

@@ -1,12 +1,12 @@
 //! From power-on to the first arming.
 
 use twinrotor::first_power::{Fault, Motor, Verdict};
-use twinrotor::link::ToBoard;
+use twinrotor::link::{ChipSerial, ToBoard};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
-use virtual_board::machine::Setup;
+use virtual_board::machine::{SERIAL, Setup};
 use virtual_board::record;
 use virtual_board::station::Station;
 
@@ -24,6 +24,7 @@ fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
     );
     let identity = station.heard.identities.first().expect("it introduces itself");
     assert_eq!((identity.chip.as_str(), identity.reset), ("stm32f405rg", None));
+    assert_eq!(identity.serial, ChipSerial(SERIAL));
     let lacks = station.heard.conditions();
     for reason in [Condition::ParametersMissing, Condition::NotZeroed, Condition::NotChecked] {
         assert!(lacks.contains(&reason), "{lacks:?}");
