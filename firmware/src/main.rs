@@ -1,4 +1,4 @@
-//! Twinrotor on an STM32F4: the 1 kHz tick, and everything that must not delay it.
+//! Twinrotor on an STM32: the 1 kHz tick, and everything that must not delay it.
 //!
 //! The tick is an interrupt of the highest priority, raised by the timer that also makes the PWM ([`tick`]).
 //! It alone drives the motors, through [`port`]. All else is in the thread: the serial link ([`serial`]), the
