@@ -1,9 +1,8 @@
-//! What the operator's commands do to the reference and to where zero is.
+//! The command that counts in a tick, and what it does to the reference and to where zero is.
 
 use super::{ControlLoop, Inputs, OperatorCommand};
 use crate::bench::Injection;
 use crate::first_power::REST_TICKS;
-use crate::reference::Reference;
 use crate::sequence::Numbered;
 use crate::telemetry::Taken;
 use core::hint::cold_path;
@@ -19,32 +18,8 @@ impl ControlLoop {
         Some(message)
     }
 
-    #[inline(always)]
-    pub(super) fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
-        if let Some(command) = command {
-            cold_path();
-            self.follow_command(command);
-        }
-        if self.is_armed() {
-            if self.monitor.has_just_lost_link() {
-                cold_path();
-                self.approach.lose_link();
-                if let Some(trial) = &mut self.trial {
-                    trial.take_back();
-                }
-            }
-            if !self.approach.rests() {
-                cold_path();
-                // In parts: a whole one would have its place in memory, and every tick would go by it.
-                let Reference { angle, rate, accel } = self.approach.step();
-                return Reference { angle, rate, accel };
-            }
-        }
-        self.approach.idle()
-    }
-
     #[inline(never)]
-    fn follow_command(&mut self, command: &OperatorCommand) {
+    pub(super) fn follow_command(&mut self, command: &OperatorCommand) {
         match command {
             OperatorCommand::Setpoint(setpoint) => self.approach.aim(*setpoint),
             OperatorCommand::Zero

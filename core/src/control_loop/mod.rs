@@ -315,6 +315,30 @@ impl ControlLoop {
         true
     }
 
+    #[inline(always)]
+    fn follow(&mut self, command: Option<&OperatorCommand>) -> Reference<f32> {
+        if let Some(command) = command {
+            cold_path();
+            self.follow_command(command);
+        }
+        if self.is_armed() {
+            if self.monitor.has_just_lost_link() {
+                cold_path();
+                self.approach.lose_link();
+                if let Some(trial) = &mut self.trial {
+                    trial.take_back();
+                }
+            }
+            if !self.approach.rests() {
+                cold_path();
+                // In parts: a whole one would have its place in memory, and every tick would go by it.
+                let Reference { angle, rate, accel } = self.approach.step();
+                return Reference { angle, rate, accel };
+            }
+        }
+        self.approach.idle()
+    }
+
     /// What the motors are to do after a change of state, with which the estimator has started afresh.
     #[inline(never)]
     fn decide_afresh(&mut self, reference: Reference<f32>, measured: PerAxis<f32>) {
