@@ -152,7 +152,7 @@ export class Serial {
     button("connect").disabled = !able;
     button("leave").hidden = !line;
     const lacks = isSecureContext
-      ? "This browser has no Web Serial (Chrome and Edge have it)"
+      ? "This browser has no Web Serial (Chrome, Edge and Firefox since 151 have it)"
       : "A browser lets only pages of a file, of this computer or by https have a port";
     byId("line-told").textContent = able ? "" : `${lacks}: ${COMMAND}.`;
   }

@@ -19,8 +19,13 @@ pub(crate) struct Program {
 
 impl Program {
     pub(crate) fn start(flags: &[&str]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        let command = command.arg("monitor").args(flags).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut command = Command::new("env");
+        // A hang-up as at a terminal, also where these tests run under `nohup`.
+        if cfg!(target_os = "linux") {
+            command.arg("--default-signal=HUP");
+        }
+        command.args([env!("CARGO_BIN_EXE_host-sim"), "monitor"]).args(flags);
+        let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let mut url = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut url).unwrap();
