@@ -1,8 +1,8 @@
 //! The page as one file that needs nothing else: `web/page/` with its scripts in order, uPlot, and the module
 //! that computes, packed.
 
-mod base85;
 mod bundle;
+mod septets;
 #[cfg(feature = "monitor")]
 pub mod served;
 
@@ -21,7 +21,6 @@ macro_rules! modules {
 const MODULES: [Module; 27] = modules![
     "app.js",
     "attempt.js",
-    "base85.js",
     "boot.js",
     "carried.js",
     "clock.js",
@@ -40,6 +39,7 @@ const MODULES: [Module; 27] = modules![
     "recorder.js",
     "rig.js",
     "search.js",
+    "septets.js",
     "serial.js",
     "settings.js",
     "socket.js",
@@ -72,9 +72,9 @@ pub fn is_packed(bytes: &[u8]) -> bool {
 pub fn page(module: &[u8], plot: &[u8]) -> String {
     let parts = [
         ("/*STYLE*/", style()),
-        ("/*WASM*/", base85::encode(module)),
+        ("/*WASM*/", septets::encode(module)),
         ("/*WORKER*/", script("tuner-worker.js")),
-        ("/*UPLOT*/", base85::encode(plot)),
+        ("/*UPLOT*/", septets::encode(plot)),
         ("/*APP*/", script("app.js")),
         ("/*BOOT*/", bundle::bundle(&MODULES, "boot.js")),
     ];
@@ -85,7 +85,7 @@ pub fn page(module: &[u8], plot: &[u8]) -> String {
 fn script(entry: &str) -> String {
     let mut packer = GzEncoder::new(Vec::new(), Compression::best());
     packer.write_all(bundle::bundle(&MODULES, entry).as_bytes()).expect("memory takes what is written");
-    base85::encode(&packer.finish().expect("memory takes what is written"))
+    septets::encode(&packer.finish().expect("memory takes what is written"))
 }
 
 /// With uPlot's licence, which is its script's, too.
@@ -121,7 +121,7 @@ mod tests {
         let page = page(&[0x1f, 0x8b, 8], &[0x1f, 0x8b, 9]);
         assert!(page.trim_end().ends_with("</html>"));
         for packed in [[0x1f, 0x8b, 8], [0x1f, 0x8b, 9]] {
-            assert!(page.contains(&format!(">{}</script>", base85::encode(&packed))));
+            assert!(page.contains(&format!(">{}</script>", septets::encode(&packed))));
         }
         let of = |text: &str| page.matches(text).count();
         // A script that held the end of one would end there.
