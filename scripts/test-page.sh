@@ -7,7 +7,8 @@ cd "$(dirname "$0")/.."
 folder=target/page
 
 scripts/build-page.sh
-cargo build -q -p host-sim --features monitor
+# With the features that the exports are read back with: built once for both.
+cargo build -q -p host-sim --features formats,monitor
 host_sim=target/debug/host-sim
 $host_sim page --out $folder/heli.html
 size=$(wc -c <$folder/heli.html)
