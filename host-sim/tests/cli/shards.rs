@@ -135,3 +135,30 @@ fn each_process_of_mpirun_flies_its_part() {
     let parts: Vec<String> = (0..4).map(|rank| format!("part{rank}.bin")).collect();
     assert_eq!(told(at, &merge(&parts, &[])), told(at, &compared(&["--allowance", "1"])));
 }
+
+/// The figure and the page of a comparison are those of its parts, too; a scenario's flights have neither.
+#[test]
+fn the_page_of_all_parts_is_that_of_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    told(folder.path(), &compared(&["--plot", "one.svg", "--report", "one"]));
+    let parts = write_parts(folder.path(), 2, &[]);
+    let merge = |more: &[&str]| {
+        let words =
+            std::iter::once("merge").chain(parts.iter().map(String::as_str)).chain(more.iter().copied());
+        words.map(str::to_owned).collect::<Vec<_>>()
+    };
+    told(folder.path(), &merge(&["--plot", "all.svg", "--report", "all"]));
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(read("one.svg"), read("all.svg"));
+    for file in ["index.html", "controllers.csv", "costs.csv", "uses.csv"] {
+        assert_eq!(read(&format!("one/{file}")), read(&format!("all/{file}")), "{file}");
+    }
+    let page = read("one/index.html");
+    assert!(page.contains("<h1>Controllers on aero2</h1>") && page.contains("href=costs.csv"));
+    assert_eq!(read("one/controllers.csv").lines().count(), 3, "ours, pd and the names above");
+    write_parts(folder.path(), 2, &["--scenario", "step"]);
+    let args = merge(&["--plot", "none.svg"]);
+    let refusal = refused(folder.path(), &args.iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(refusal.contains("--plot") && refusal.contains("its flights have no scores"), "{refusal}");
+    assert!(!folder.path().join("none.svg").exists());
+}

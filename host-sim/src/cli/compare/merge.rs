@@ -1,6 +1,6 @@
 //! `merge`: the report of a comparison whose plants several machines have flown.
 
-use super::{Wanted, part, show};
+use super::{Wanted, part, show, told};
 use crate::error::Outcome;
 use crate::files::export;
 use crate::files::output::Outputs;
@@ -35,13 +35,16 @@ pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
         export::check("--export", path, false)?;
         outputs.writes("--export", path)?;
     }
+    told(args.plot.as_deref(), args.report.as_deref(), &mut outputs)?;
     let (head, flown) = part::read(&args.parts)?;
-    if args.export.is_some() && matches!(flown, part::Flown::Scenario(..)) {
-        return Err(crate::cli::common::no_effect(
-            "--export",
-            "with a scenario",
-            "its flights have no scores",
-        ));
+    let of_scores = [
+        ("--export", args.export.is_some()),
+        ("--plot", args.plot.is_some()),
+        ("--report", args.report.is_some()),
+    ];
+    let wanted = of_scores.into_iter().find(|(_, wanted)| *wanted);
+    if let (Some((flag, _)), part::Flown::Scenario(..)) = (wanted, &flown) {
+        return Err(crate::cli::common::no_effect(flag, "with a scenario", "its flights have no scores"));
     }
     let wanted = Wanted {
         json: args.json,

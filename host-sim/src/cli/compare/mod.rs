@@ -291,16 +291,23 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
         export::check("--export", path, false)?;
         outputs.writes("--export", path)?;
     }
-    drawn(args.plot.as_deref(), &mut outputs)?;
-    if let Some(folder) = &args.report {
-        for file in ["index.html", "controllers.csv", "costs.csv", "uses.csv"] {
-            outputs.writes("--report", &folder.join(file))?;
-        }
-    }
+    told(args.plot.as_deref(), args.report.as_deref(), &mut outputs)?;
     if let Some(path) = &args.out {
         outputs.writes("--out", path)?;
     }
     Ok(outputs)
+}
+
+/// Where figure and page go.
+fn told(plot: Option<&Path>, report: Option<&Path>, outputs: &mut Outputs) -> Outcome<()> {
+    drawn(plot, outputs)?;
+    if let Some(folder) = report {
+        output::check_folder("--report", folder)?;
+        for file in ["index.html", "controllers.csv", "costs.csv", "uses.csv"] {
+            outputs.writes("--report", &folder.join(file))?;
+        }
+    }
+    Ok(())
 }
 
 /// The plants to fly, and how.
