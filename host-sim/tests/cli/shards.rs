@@ -156,6 +156,12 @@ fn the_page_of_all_parts_is_that_of_one_run() {
     let page = read("one/index.html");
     assert!(page.contains("<h1>Controllers on aero2</h1>") && page.contains("href=costs.csv"));
     assert_eq!(read("one/controllers.csv").lines().count(), 3, "ours, pd and the names above");
+    assert!(!page.contains("Scenes beside the step"), "none was flown");
+    told(folder.path(), &compared(&["--scenes", "all", "--report", "scenes"]));
+    assert!(
+        read("scenes/scenes.csv").contains("hot reversals")
+            && read("scenes/index.html").contains("--scenes all")
+    );
     write_parts(folder.path(), 2, &["--scenario", "step"]);
     let args = merge(&["--plot", "none.svg"]);
     let refusal = refused(folder.path(), &args.iter().map(String::as_str).collect::<Vec<_>>());

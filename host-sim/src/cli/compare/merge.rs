@@ -1,8 +1,9 @@
 //! `merge`: the report of a comparison whose plants several machines have flown.
 
-use super::{Wanted, part, show, told};
+use super::part::{self, Flown};
+use super::told::{self, Told};
+use crate::cli::common::no_effect;
 use crate::error::Outcome;
-use crate::files::export;
 use crate::files::output::Outputs;
 use std::path::PathBuf;
 
@@ -15,15 +16,8 @@ pub(in crate::cli) struct Args {
     /// Print one JSON document and nothing else
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Write every flight's numbers, a row each: .parquet, .npz or .csv; not of a scenario's
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    export: Option<PathBuf>,
-    /// Draw how many plants cost how much with each controller (.svg or .png)
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    plot: Option<PathBuf>,
-    /// Write the comparison as a page, with its table and figure as CSV, into this folder
-    #[arg(long, value_name = "DIR", help_heading = "Output")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    told: Told,
 }
 
 pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
@@ -31,28 +25,11 @@ pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
     for path in &args.parts {
         outputs.reads("PART", path);
     }
-    if let Some(path) = &args.export {
-        export::check("--export", path, false)?;
-        outputs.writes("--export", path)?;
-    }
-    told(args.plot.as_deref(), args.report.as_deref(), &mut outputs)?;
+    args.told.check(&mut outputs)?;
     let (head, flown) = part::read(&args.parts)?;
-    let of_scores = [
-        ("--export", args.export.is_some()),
-        ("--plot", args.plot.is_some()),
-        ("--report", args.report.is_some()),
-    ];
-    let wanted = of_scores.into_iter().find(|(_, wanted)| *wanted);
-    if let (Some((flag, _)), part::Flown::Scenario(..)) = (wanted, &flown) {
-        return Err(crate::cli::common::no_effect(flag, "with a scenario", "its flights have no scores"));
+    if let (Some(flag), Flown::Scenario(..)) = (args.told.of_scores(), &flown) {
+        return Err(no_effect(flag, "with a scenario", "its flights have no scores"));
     }
-    let wanted = Wanted {
-        json: args.json,
-        export: args.export.as_deref(),
-        plot: args.plot.as_deref(),
-        report: args.report.as_deref(),
-        note: "",
-    };
-    show(&head, &flown, &wanted, &mut outputs)?;
+    told::show(&head, &flown, &args.told, args.json, "", &mut outputs)?;
     outputs.done()
 }
