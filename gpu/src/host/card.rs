@@ -45,7 +45,7 @@ impl<D: Driver> Card<D> {
         self.run(&Kernel { name: "robust_trace", read }, Work::of_batch(batch), &|| false)
     }
 
-    /// How long launches have taken, from the start to the sums on this side.
+    /// How long the kernels have run.
     pub fn busy(&self) -> Duration {
         self.busy.lock().map(|busy| *busy).unwrap_or_default()
     }
@@ -160,10 +160,10 @@ impl<D: Driver> Card<D> {
             ];
             let begun = Instant::now();
             self.driver.launch(kernel.name, &arguments, count(flights)?)?;
-            let words = self.driver.download(&out)?;
             if let Ok(mut busy) = self.busy.lock() {
                 *busy += begun.elapsed();
             }
+            let words = self.driver.download(&out)?;
             let word = |k: usize, w: usize| words.get(w * flights + k).copied().unwrap_or(0);
             sums.extend((0..flights).map(|k| (kernel.read)(std::array::from_fn(|w| word(k, w)))));
         }

@@ -117,7 +117,7 @@ impl Driver for Cuda {
         unsafe {
             launch.launch(shape)?
         };
-        Ok(())
+        Ok(self.stream.synchronize()?)
     }
 
     fn download(&self, memory: &Self::Memory) -> Result<Vec<u32>, Fault> {

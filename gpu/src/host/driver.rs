@@ -60,7 +60,7 @@ pub trait Driver: fmt::Debug + Send + Sync {
     /// No memory, or the card is lost.
     fn reserve(&self, words: usize) -> Result<Self::Memory, Fault>;
 
-    /// Starts `threads` threads of the kernel of this name.
+    /// Runs `threads` threads of the kernel of this name to their end.
     ///
     /// # Errors
     /// The card is lost.
@@ -71,7 +71,7 @@ pub trait Driver: fmt::Debug + Send + Sync {
         threads: u32,
     ) -> Result<(), Fault>;
 
-    /// Waits for what was started, and copies the words from the card.
+    /// Copies the words from the card.
     ///
     /// # Errors
     /// The card is lost.
