@@ -1,7 +1,8 @@
 //! `bench-tuners`: methods of search side by side on one problem.
 
-use super::common::{Common, bar, drawn, no_effect, within};
+use super::common::{Common, Device, bar, drawn, no_effect, within};
 use super::{print, print_json, tables};
+use crate::device::{self, Found};
 use crate::error::{Failure, Outcome};
 use crate::figures;
 use crate::files::export;
@@ -23,11 +24,16 @@ use twinrotor_tune::robust::{self, Robust, Trial};
 use twinrotor_tune::search::Problem;
 use twinrotor_tune::tunable::Tunable;
 
+/// Candidates that a method with a population asks for at once.
+const USUAL_GENERATION: usize = 50;
+
 /// Flags of `bench-tuners`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    device: Device,
     /// Which, by the names of `tune --algorithm`; the others are tested against the first [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     algorithms: Vec<String>,
@@ -86,17 +92,21 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         export::check("--export", path, false)?;
         outputs.writes("--export", path)?;
     }
-    let (peers, what) = match args.objective {
+    let found = args.device.find()?;
+    let (peers, what, [each, each_core]) = match args.objective {
         Goal::Ise => {
             refuse_for_ise(args)?;
             let step = Scenario::named("step")?;
             let problem =
-                Objective::new(Criterion::Ise, &named.rig, &step, Fidelity::Ideal, args.common.seed);
+                Objective::new(Criterion::Ise, &named.rig, &step, Fidelity::Ideal, args.common.seed)
+                    .on(found.device());
             let bounds = Bounds::new(vec![gains::PAPER_BOUNDS; 4])?;
-            (search(args, &setups, &bounds, &problem), "ISE of the step, four gains in 1..25".to_owned())
+            let what = "ISE of the step, four gains in 1..25".to_owned();
+            (search(args, &setups, &bounds, &problem), what, [1, device::IDEAL_FLIGHTS])
         }
-        Goal::Robust => robust_problem(args, &named, &setups)?,
+        Goal::Robust => robust_problem(args, &named, &setups, &found)?,
     };
+    let peers = found.all(peers)?;
     let known = best_known(&peers);
     let standings = standings(&peers, known);
     if let Some(path) = &args.plot {
@@ -119,8 +129,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             algorithms: &peers,
         })?;
     } else {
+        let flights = args.seeds.saturating_mul(USUAL_GENERATION).saturating_mul(each);
+        let note = found.note(flights, each_core);
         print(&format!(
-            "{}: {what}; {} seeds, {} evaluations each\n{}\n",
+            "{}: {what}; {} seeds, {} evaluations each\n{}\n{note}",
             named.name,
             args.seeds,
             setups[0].1.evaluations,
@@ -159,14 +171,21 @@ fn setups(args: &Args) -> Outcome<Vec<(String, Setup)>> {
     names.into_iter().map(setup).collect()
 }
 
-fn robust_problem(args: &Args, named: &NamedRig, setups: &[(String, Setup)]) -> Outcome<(Vec<Peer>, String)> {
+/// The methods on it unless what flies has failed, what it is, how many flights a candidate is and how many a
+/// core flies in the time of a launch.
+fn robust_problem(
+    args: &Args,
+    named: &NamedRig,
+    setups: &[(String, Setup)],
+    found: &Found,
+) -> Outcome<(Option<Vec<Peer>>, String, [usize; 2])> {
     let range = at_least("--range", args.range.unwrap_or(4.0), 1.0, true)?;
     let plants = within("--plants", args.plants.unwrap_or(32), 1, 100_000)?;
     let controller = args.controller.as_deref().unwrap_or("integral");
     let design = known_name("controller", controller, &CATALOGUE)?;
     let tunable = Tunable::new(&design(&named.rig), &[])?;
     let allowance = robust::allowance(&named.name, &named.rig);
-    let trial = Trial::new(&named.rig, plants, args.common.seed, allowance);
+    let trial = Trial::new(&named.rig, plants, args.common.seed, allowance).on(found.device());
     let reach = range.ln();
     let bounds = Bounds::new(vec![[-reach, reach]; tunable.names().len()])?;
     let what = format!(
@@ -176,10 +195,16 @@ fn robust_problem(args: &Args, named: &NamedRig, setups: &[(String, Setup)]) -> 
         tunable.names().len(),
         range
     );
-    Ok((search(args, setups, &bounds, &Robust::new(&trial, &tunable)), what))
+    let peers = search(args, setups, &bounds, &Robust::new(&trial, &tunable));
+    Ok((peers, what, [plants, device::RIG_FLIGHTS]))
 }
 
-fn search(args: &Args, setups: &[(String, Setup)], bounds: &Bounds, problem: &dyn Problem) -> Vec<Peer> {
+fn search(
+    args: &Args,
+    setups: &[(String, Setup)],
+    bounds: &Bounds,
+    problem: &dyn Problem,
+) -> Option<Vec<Peer>> {
     let total = setups.iter().map(|(_, s)| s.evaluations.saturating_mul(args.seeds));
     let total = total.fold(0, usize::saturating_add);
     let bar = bar(total, "{prefix:12} {bar:32} {pos}/{len} evaluations, {eta} left");

@@ -48,12 +48,13 @@ pub(super) fn searches(size: Size, seed: u64) -> Outcome<Searches> {
     let seeds: Vec<u64> = (0..size.seeds).map(|k| seed.wrapping_add(k)).collect();
     let peer = |(name, algorithm): &(&str, Algorithm)| {
         let setup = Setup { algorithm: *algorithm, population: None, evaluations: size.evaluations };
-        Peer::search(name, &setup, &bounds, &seeds, &ise, &|_| {})
+        Peer::search(name, &setup, &bounds, &seeds, &ise, &|_| {}).expect("nothing stops it")
     };
     let peers: Vec<Peer> = ALGORITHMS.par_iter().map(peer).collect();
     let tune = |criterion| -> Outcome<GainsFile> {
         let problem = objective(criterion)?;
         let peer = Peer::search("fpa-paper", &TABLE_2, &bounds, &[seed], &problem, &|_| {});
+        let peer = peer.expect("nothing stops it");
         Ok(Objective::controller(&peer.best().position))
     };
     let [a, b, c] = [Criterion::Ise, Criterion::Iae, Criterion::Itae].map(tune);

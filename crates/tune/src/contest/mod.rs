@@ -5,8 +5,8 @@ mod ranks;
 
 pub use ranks::{holm, rank_sum};
 
-use crate::optimise::{Bounds, Draws, Optimiser, Setup};
-use crate::parallel;
+use crate::optimise::{Bounds, Candidate, Draws, Optimiser, Searcher, Setup};
+use crate::parallel::NEVER;
 use crate::robust::quantile;
 use crate::search::Problem;
 use serde::Serialize;
@@ -46,43 +46,69 @@ pub struct Peer {
     pub runs: Vec<Run>,
 }
 
+/// A search under way.
+struct Running {
+    seed: u64,
+    search: Searcher,
+    history: Vec<(usize, f64)>,
+}
+
+impl Running {
+    /// Is told what was asked for; how many evaluations that adds.
+    fn tell(&mut self, costs: &[f64]) -> usize {
+        let before = self.search.evaluations();
+        self.search.tell(costs);
+        // What was computed ahead and thrown away is at the end.
+        let used = self.search.evaluations() - before;
+        for (number, cost) in (before + 1..).zip(&costs[..used]) {
+            if self.history.last().is_none_or(|(_, best)| cost < best) {
+                self.history.push((number, *cost));
+            }
+        }
+        used
+    }
+
+    fn ended(self, dimension: usize) -> Run {
+        // Where every candidate diverged there is no best, and it is nowhere.
+        let nowhere = || (f64::INFINITY, vec![f64::NAN; dimension]);
+        let (cost, position) = self.search.best().map_or_else(nowhere, |b| (b.cost, b.position.clone()));
+        Run { seed: self.seed, cost, position, history: self.history }
+    }
+}
+
 impl Peer {
-    /// Searches `problem` once for each of `seeds`, side by side; there must be one. `seen` is shown how many
-    /// evaluations were added.
+    /// Searches `problem` once for each of `seeds`; there must be one. All ask together, so that lanes, cores
+    /// and cards get as many candidates at once as there are. `seen` is shown how many evaluations were added.
+    /// Nothing where the problem has no costs any more.
     pub fn search(
         name: &str,
         setup: &Setup,
         bounds: &Bounds,
         seeds: &[u64],
         problem: &dyn Problem,
-        seen: &(dyn Fn(usize) + Sync),
-    ) -> Self {
-        let one = |&seed: &u64| {
-            let mut search = setup.start(bounds.clone(), Draws::new(seed));
-            let mut history: Vec<(usize, f64)> = Vec::new();
-            loop {
-                let asked = search.ask();
-                if asked.is_empty() {
-                    break;
-                }
-                let costs = problem.costs(&asked);
-                let before = search.evaluations();
-                search.tell(&costs);
-                // What was computed ahead and thrown away is at the end.
-                let used = search.evaluations() - before;
-                for (number, cost) in (before + 1..).zip(&costs[..used]) {
-                    if history.last().is_none_or(|(_, best)| cost < best) {
-                        history.push((number, *cost));
-                    }
-                }
-                seen(used);
-            }
-            // Where every candidate diverged there is no best, and it is nowhere.
-            let nowhere = || (f64::INFINITY, vec![f64::NAN; bounds.dimension()]);
-            let (cost, position) = search.best().map_or_else(nowhere, |b| (b.cost, b.position.clone()));
-            Run { seed, cost, position, history }
+        seen: &dyn Fn(usize),
+    ) -> Option<Self> {
+        let start = |&seed: &u64| {
+            let search = setup.start(bounds.clone(), Draws::new(seed));
+            Running { seed, search, history: Vec::new() }
         };
-        Self { name: name.to_owned(), runs: parallel::map(seeds, one) }
+        let mut all: Vec<Running> = seeds.iter().map(start).collect();
+        loop {
+            let asked: Vec<Vec<Candidate>> = all.iter_mut().map(|run| run.search.ask()).collect();
+            let together = asked.concat();
+            if together.is_empty() {
+                break;
+            }
+            let costs = problem.costs_until(&together, NEVER)?;
+            let mut rest = &costs[..];
+            for (run, asked) in all.iter_mut().zip(&asked).filter(|(_, asked)| !asked.is_empty()) {
+                let own;
+                (own, rest) = rest.split_at(asked.len());
+                seen(run.tell(own));
+            }
+        }
+        let runs = all.into_iter().map(|run| run.ended(bounds.dimension())).collect();
+        Some(Self { name: name.to_owned(), runs })
     }
 
     /// The best cost of each run.
