@@ -3,6 +3,7 @@
 pub mod flight;
 mod labels;
 mod line;
+pub mod map;
 pub mod moving;
 #[cfg(feature = "png")]
 pub mod pixels;

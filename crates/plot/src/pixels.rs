@@ -17,8 +17,12 @@ fn fonts() -> Arc<fontdb::Database> {
     Arc::new(fonts)
 }
 
-/// The document as a PNG picture, with smooth edges.
-pub(crate) fn png(svg: &str) -> Outcome<Vec<u8>> {
+/// The document as a PNG picture, with smooth edges, [`SCALE`] pixels for each of its units.
+///
+/// # Errors
+///
+/// If it cannot be drawn.
+pub fn png(svg: &str) -> Outcome<Vec<u8>> {
     let failed = |e: &dyn std::fmt::Display| Error::Failed(format!("the figure cannot be drawn: {e}"));
     let options = Options { fontdb: fonts(), ..Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|e| failed(&e))?;

@@ -38,6 +38,7 @@ pub mod checkpoint;
 pub mod contest;
 pub mod design;
 pub mod integral;
+pub mod landscape;
 pub mod optimise;
 pub mod parallel;
 pub mod robust;

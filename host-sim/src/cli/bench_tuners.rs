@@ -66,8 +66,10 @@ pub(super) struct Args {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
-enum Goal {
+pub(super) enum Goal {
+    /// The paper's four gains on its ISE
     Ise,
+    /// The robust objective
     Robust,
 }
 

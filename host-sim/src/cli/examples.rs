@@ -43,6 +43,10 @@ examples! {
         "host-sim merge part*.bin                        # after compare --shard";
     PARETO "tuning.md":
         "host-sim pareto --preset aero2 --out front";
+    MAP "tuning.md":
+        "host-sim map --gains paper --objective ise --parameters pitch.position,pitch.rate\n\
+         \x20 host-sim map --preset aero2 --gains gains/aero2.toml \\\n\
+         \x20   --parameters pitch.position,pitch.rate --plot map.png";
     MARGINS "rig-law.md":
         "host-sim margins --preset aero2 --gains gains/aero2.toml";
     REPRODUCE "paper.md":

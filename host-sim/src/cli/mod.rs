@@ -14,6 +14,7 @@ mod flash;
 mod fly;
 mod identify;
 mod manual;
+mod map;
 mod margins;
 mod monitor;
 mod page;
@@ -85,6 +86,9 @@ enum Command {
     /// The trade-off between settling, disturbance error and voltage variation, each point with its gains
     #[command(after_help = examples::PARETO)]
     Pareto(pareto::Args),
+    /// What the cost is around a controller, over two of its numbers, as a picture
+    #[command(after_help = examples::MAP)]
+    Map(map::Args),
     /// Thrust, lag, inertia and delay that a controller stands, and the slowest pole of its loop
     #[command(after_help = examples::MARGINS)]
     Margins(margins::Args),
@@ -119,6 +123,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::run(&args),
         Command::BenchTuners(args) => bench_tuners::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Map(args) => map::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Replay(args) => replay::run(&args),

@@ -29,11 +29,20 @@ pub fn check(flag: &str, path: &Path) -> Outcome<()> {
 ///
 /// If it cannot be drawn.
 pub fn bytes(figure: &Figure, path: &Path) -> Outcome<Vec<u8>> {
+    of_svg(figure.to_svg(Layout::Wide)?, path)
+}
+
+/// An SVG document as it is or in pixels, by the ending of the file's name.
+///
+/// # Errors
+///
+/// If it cannot be drawn.
+pub fn of_svg(svg: String, path: &Path) -> Outcome<Vec<u8>> {
     #[cfg(feature = "formats")]
     if super::ending(path).as_deref() == Some("png") {
-        return Ok(figure.to_png()?);
+        return Ok(twinrotor_plot::pixels::png(&svg)?);
     }
     #[cfg(not(feature = "formats"))]
     let _ = path;
-    Ok(figure.to_svg(Layout::Wide)?.into_bytes())
+    Ok(svg.into_bytes())
 }

@@ -6,6 +6,7 @@ mod flights;
 mod lies;
 mod logs;
 mod manual;
+mod map;
 mod panics;
 mod robust;
 mod searches;
