@@ -262,7 +262,8 @@ mod tests {
             })
             .collect();
         let total = |colour: &str| -> i64 { fills.iter().filter(|f| f.1 == colour).map(|f| f.0).sum() };
-        let bands: i64 = BANDS.iter().map(|(_, c)| total(&format!("#{:02X}{:02X}{:02X}", c.0, c.1, c.2))).sum();
+        let bands: i64 =
+            BANDS.iter().map(|(_, c)| total(&format!("#{:02X}{:02X}{:02X}", c.0, c.1, c.2))).sum();
         let axes = i64::from(SIZE.0 - LEGEND - 12 - 14 - 72) * i64::from(SIZE.1 - 44 - 8 - 8 - 44);
         let grey = total("#E1E1E1");
         let legend = 9 * 22 * 18;

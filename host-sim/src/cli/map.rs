@@ -141,9 +141,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             let tunable = Tunable::new(&file.controller, &args.parameters)?;
             let allowance = robust::allowance(&named.name, &named.rig);
             let scenes = args.scenes.map_or(robust::Scenes::Step, Into::into);
-            let trial = Trial::new(&named.rig, plants, args.common.seed, allowance)
-                .flying(scenes)
-                .on(found.device());
+            let trial =
+                Trial::new(&named.rig, plants, args.common.seed, allowance).flying(scenes).on(found.device());
             let ground = of_j(args, &trial, &tunable)?;
             explore(args, &named, &file, &ground, &found, outputs)
         }
@@ -184,12 +183,7 @@ fn two_names(names: &[&str]) -> Failure {
     Failure::Input(format!("--parameters; allowed: two different ones of {}", names.join(", ")))
 }
 
-fn of_ise<'a>(
-    args: &Args,
-    file: &GainsFile,
-    gains: Gains<f64>,
-    problem: Objective,
-) -> Outcome<Ground<'a>> {
+fn of_ise<'a>(args: &Args, file: &GainsFile, gains: Gains<f64>, problem: Objective) -> Outcome<Ground<'a>> {
     // By name they stand in the paper's order: pitch before yaw, position before rate.
     let tunable = Tunable::new(&file.controller, &["pitch".to_owned(), "yaw".to_owned()])?;
     let order = gains.to_paper_order();
@@ -273,9 +267,9 @@ fn explore(
     drop(listening);
     if !complete {
         keeper.keep_now(|| all.checkpoint());
-        let go_on = keeper.done(&mut outputs).map_or_else(String::new, |path| {
-            format!("; --checkpoint {} --resume goes on", path.display())
-        });
+        let go_on = keeper
+            .done(&mut outputs)
+            .map_or_else(String::new, |path| format!("; --checkpoint {} --resume goes on", path.display()));
         outputs.done()?;
         let left = format!("{} of {} cells are known{go_on}", all.costs().len(), all.cells());
         return Err(match found.failure() {

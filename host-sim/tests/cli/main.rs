@@ -12,6 +12,7 @@ mod robust;
 mod searches;
 mod shards;
 mod stopping;
+mod worst;
 
 use serde_json::Value;
 use std::fs;

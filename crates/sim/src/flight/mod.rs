@@ -198,7 +198,9 @@ fn ideal_loop<R: Real>(plan: &Plan<'_>) -> IdealLoop<R> {
 fn real_parts<R: Real>(plan: &Plan<'_>) -> (RealPlant<R>, Hardware, Settings<R>) {
     let mut plant = RealPlant::new(&plan.truth.plant, start(plan), SAMPLE_TIME);
     plant.set_rotors(plan.scenario.start.rotors().cast());
-    let sound = Hardware::of(plan.truth, encoder_phase(plan.seed));
+    let phase = plan.scenario.start.encoder_phase;
+    let phase = phase.map_or_else(|| encoder_phase(plan.seed), |[pitch, yaw]| PerAxis::new(pitch, yaw));
+    let sound = Hardware::of(plan.truth, phase);
     let worn = Hardware { wear: plan.scenario.hardware.wear(), ..sound };
     (plant, worn.taken_for(plan.rig, plan.truth), plan.settings.map(R::from_f64))
 }

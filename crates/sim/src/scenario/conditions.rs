@@ -22,6 +22,9 @@ pub struct Start {
     /// After a minute of squares of ±25° and ±60° every 2.5 s, which warm the motors, and 4 s of rest at
     /// `angle_deg`.
     pub hot: bool,
+    /// \[counts\] 0..1: where between two counts the pitch and the yaw encoder begin; drawn by the seed of a
+    /// flight where nothing is said.
+    pub encoder_phase: Option<[f64; 2]>,
 }
 
 impl Start {
@@ -35,6 +38,9 @@ impl Start {
         within("start.angle_deg[1]", self.angle_deg[1], [-360.0, 360.0], "degrees")?;
         pair("start.rate_deg", self.rate_deg, [-500.0, 500.0], "degrees a second")?;
         pair("start.rotor_volts", self.rotor_volts, [-60.0, 60.0], "V")?;
+        if let Some(phase) = self.encoder_phase {
+            pair("start.encoder_phase", phase, [0.0, 1.0], "counts")?;
+        }
         if self.hot && !(are_zero(self.rate_deg) && are_zero(self.rotor_volts)) {
             let allowed = "false beside start.rate_deg or start.rotor_volts: who has flown to where it \
                            begins hovers there";

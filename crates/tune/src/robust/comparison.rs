@@ -1,6 +1,7 @@
 //! Controllers side by side on the same plants.
 
 use super::cost::{Score, quantile, step_total, total};
+use super::proportion::upper_bound;
 use super::scenes::{SCENES, SceneScore};
 use serde::Serialize;
 use twinrotor::axes::PerAxis;
@@ -61,6 +62,8 @@ pub struct Row {
     pub name: String,
     /// Plants on which it failed.
     pub failures: usize,
+    /// \[-\] The probability of a failure is below this, 95 % sure ([`upper_bound`]).
+    pub failure_bound: f64,
     /// Of these, on how many a board would have cut the motors, where that was looked at.
     pub cuts: usize,
     /// mean(c) + q90(c)/2.
@@ -104,9 +107,11 @@ impl Row {
             yaw: quantile(&all(&|s| of(s).yaw), part),
         };
         let costs = all(&Score::cost);
+        let failures = scores.iter().filter(|s| s.failed).count();
         Self {
             name: name.to_owned(),
-            failures: scores.iter().filter(|s| s.failed).count(),
+            failures,
+            failure_bound: upper_bound(failures, scores.len()),
             cuts: scores.iter().filter(|s| s.cut.is_some()).count(),
             total: total(scores),
             step_total: step_total(scores),

@@ -5,9 +5,10 @@ pub(super) mod merge;
 mod part;
 mod scenario;
 mod told;
+mod worst;
 
 use super::choices;
-use super::common::{Common, Device, Spreads, no_effect, pair, truth, within};
+use super::common::{Common, Device, Spreads, bar, no_effect, pair, truth, within};
 use crate::device;
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -28,10 +29,12 @@ use twinrotor_tune::parallel::NEVER;
 use twinrotor_tune::robust::{self, Scatter, Shard, Trial, Tuning};
 
 /// Most plants of a comparison.
-const MOST_PLANTS: usize = 100_000;
+const MOST_PLANTS: usize = 10_000_000;
+/// Plants that are flown together, by one controller after the other: what a card takes in a launch.
+const BLOCK: usize = 1 << 20;
 
 /// What is told of all parts together, or done before there are any.
-const NOT_OF_A_PART: [&str; 5] = ["export", "plot", "report", "tune", "json"];
+const NOT_OF_A_PART: [&str; 6] = ["export", "plot", "report", "worst", "tune", "json"];
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -78,6 +81,9 @@ pub(super) struct Args {
     gains: PathBuf,
     #[command(flatten)]
     told: Told,
+    /// Keep the five plants that cost each controller most in this folder, as files that 'simulate' flies
+    #[arg(long, value_name = "DIR", help_heading = "Output", conflicts_with = "scenario")]
+    worst: Option<PathBuf>,
     /// Fly one part of N of the plants and write it into --out, for 'merge': I/N, such as 3/16
     #[arg(long, value_name = "I/N", requires = "out", conflicts_with_all = NOT_OF_A_PART)]
     shard: Option<Shard>,
@@ -125,8 +131,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         outputs.write(path, &part::encode(&identity, &head, shard, &flown));
         return outputs.done();
     }
+    if let Some(folder) = &args.worst {
+        worst::check(folder, controllers.iter().map(|(name, _)| name), &mut outputs)?;
+    }
     let flown = fly(&trial, &controllers, scenario.as_ref(), &found)?;
-    let note = found.note(args.plants, device::RIG_FLIGHTS);
+    let mut note = found.note(args.plants, device::RIG_FLIGHTS);
+    if let (Some(folder), Flown::Steps(scores)) = (&args.worst, &flown) {
+        note += &worst::write(folder, &args.common.preset, &trial, &controllers, scores, &mut outputs);
+    }
     told::show(&head, &flown, &args.told, args.common.json, &note, &mut outputs)?;
     outputs.done()
 }
@@ -141,8 +153,19 @@ fn fly(
     if let Some(scenario) = scenario {
         return scenario::fly(trial, controllers, scenario);
     }
-    let fly = |controller| found.all(trial.supervised(controller, NEVER));
-    Ok(Flown::Steps(controllers.iter().map(|(_, controller)| fly(controller)).collect::<Outcome<_>>()?))
+    let plants = trial.plants.len();
+    let bar = bar(plants * controllers.len(), "{bar:32} {pos}/{len} flights, {eta} left");
+    let mut all: Vec<_> = controllers.iter().map(|_| Vec::with_capacity(plants)).collect();
+    for from in (0..plants).step_by(BLOCK) {
+        let block = (plants > BLOCK).then(|| trial.only(from..plants.min(from + BLOCK)));
+        let block = block.as_ref().unwrap_or(trial);
+        for ((_, controller), scores) in controllers.iter().zip(&mut all) {
+            scores.extend(found.all(block.supervised(controller, NEVER))?);
+            bar.inc(block.plants.len() as u64);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(Flown::Steps(all))
 }
 
 /// What is read and written.

@@ -194,17 +194,19 @@ fn flights<'a>(controllers: impl Iterator<Item = (&'a str, &'a Vec<Score>)>) -> 
 /// What the heads of the table stand for.
 const LEGEND: &str = "\
 c: a flight's cost; J: its mean, and half its 90 % quantile; less is better
-fail: diverged, outside the envelope, not inside 5 % in time, or cut by the board
+fail: diverged, outside the envelope, not inside 5 % in time, or cut by the board;
+P<: the probability of that is below this, 95 % sure
 ts2: settling within 2 %; OS: overshoot; medians, or the value that 95 % stay below
 dist, hold: error after the disturbance, and before; V/s: volts moved while holding
 sat: time with a motor at its limit; p: chance of such a difference to the first
 ";
 
 /// The heads of the table.
-const HEADS: [&str; 13] = [
+const HEADS: [&str; 14] = [
     "controller",
     "J",
     "fail",
+    "P<",
     "cut",
     "c 5/50/95 %",
     "ts2 p/y [s]",
@@ -224,6 +226,7 @@ fn cells(r: &Row) -> [String; HEADS.len()] {
         r.name.clone(),
         format!("{:.3}", r.total),
         r.failures.to_string(),
+        format!("{:.1e}", r.failure_bound),
         r.cuts.to_string(),
         format!("{:.2}/{:.2}/{:.2}", r.cost.p5, r.cost.median, r.cost.p95),
         pair(r.settling_time_2, 2),
