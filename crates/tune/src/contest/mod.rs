@@ -78,8 +78,8 @@ impl Running {
 
 impl Peer {
     /// Searches `problem` once for each of `seeds`; there must be one. All ask together, so that lanes, cores
-    /// and cards get as many candidates at once as there are. `seen` is shown how many evaluations were added.
-    /// Nothing where the problem has no costs any more.
+    /// and cards get as many candidates at once as there are. `seen` is shown how many evaluations were
+    /// added. Nothing where the problem has no costs any more.
     pub fn search(
         name: &str,
         setup: &Setup,

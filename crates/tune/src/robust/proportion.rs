@@ -6,9 +6,9 @@ pub const SURE: f64 = 0.95;
 const HALVINGS: usize = 100;
 
 /// A probability of failure that is above the true one with a probability of [`SURE`], after `failures` of
-/// `count`: the one-sided bound of C. J. Clopper and E. S. Pearson, Biometrika 26 (1934) 404-413, which is the
-/// probability with which so few failures would be seen in one of twenty repetitions. About 3/count where
-/// there was none.
+/// `count`: the one-sided bound of C. J. Clopper and E. S. Pearson, Biometrika 26 (1934) 404-413, which is
+/// the probability with which so few failures would be seen in one of twenty repetitions. About 3/count
+/// where there was none.
 pub fn upper_bound(failures: usize, count: usize) -> f64 {
     if failures >= count {
         return 1.0;

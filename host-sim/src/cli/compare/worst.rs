@@ -77,7 +77,8 @@ pub(super) fn write(
     let [rig_file, scenario_file] = &files[0];
     let _ = writeln!(
         told,
-        "the step of the first once more:\n  host-sim simulate --preset {preset} --fidelity rig --gains {} \\\n    \
+        "the step of the first once more:\n  \
+         host-sim simulate --preset {preset} --fidelity rig --gains {} \\\n    \
          --true-rig {} --scenario {}",
         gains.display(),
         rig_file.display(),
