@@ -12,5 +12,5 @@ CARGO_TARGET_DIR="$PWD/target" "$folder/venv/bin/pip" install -q --disable-pip-v
 "$folder/venv/bin/ruff" format --check --quiet .
 "$folder/venv/bin/ruff" check --quiet .
 "$folder/venv/bin/python" -m mypy --strict tests examples examples/notebooks/make.py benches python/twinrotor
-"$folder/venv/bin/python" -m pytest -q tests
+"$folder/venv/bin/python" -m pytest -q -rs tests
 "$folder/venv/bin/python" examples/notebooks/make.py --check

@@ -38,8 +38,7 @@ pub(crate) fn identify(
     let columns = columns_of(columns)?;
     let rig = named.rig;
     let effort = Effort { population, iterations, seed };
-    let question =
-        Question::new(named, &free, &fix, window, effort).map_err(|error| raised(&error))?;
+    let question = Question::new(named, &free, &fix, window, effort).map_err(|error| raised(&error))?;
     let (logs, others) = (read(&logs, &columns, &rig)?, read(&validate, &columns, &rig)?);
     interruptible(py, |stop| {
         let evidence = question.put_to(logs, others).map_err(|error| raised(&error))?;

@@ -35,9 +35,6 @@ pub(super) struct Args {
     checkpoint: Checkpoint,
 }
 
-/// How many rigs are begun between two checkpoints, for each thread.
-const RIGS_A_THREAD: usize = 2;
-
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
     let gains = gains(args.gains.as_deref(), &named)?;
@@ -81,7 +78,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 fn all(study: &Study, mut verdicts: Vec<Verdict>, keeper: &Keeper) -> Vec<Verdict> {
     let bar = bar(study.count(), "{bar:32} {pos}/{len} rigs, {eta} left");
     bar.set_position(verdicts.len() as u64);
-    let at_once = RIGS_A_THREAD * rayon::current_num_threads();
+    // Between two checkpoints; threads without a rig help the others, whose fits are computed in parts.
+    let at_once = rayon::current_num_threads();
     while verdicts.len() < study.count() {
         let next = verdicts.len()..study.count().min(verdicts.len() + at_once);
         let Some(more) = study.verdicts(next, &stop::requested, &|| bar.inc(1)) else { break };
