@@ -27,7 +27,7 @@ mod _native {
     #[pymodule_export]
     use crate::comparison::{compare, compare_chunk, compare_chunks, draw};
     #[pymodule_export]
-    use crate::contest::{holm, rank_sum, standings};
+    use crate::contest::{bench_tuner, holm, rank_sum, standings};
     #[pymodule_export]
     use crate::coverage::{coverage_chunk, coverage_chunks};
     #[pymodule_export]

@@ -163,7 +163,7 @@ def test_methods_of_search_do_as_at_the_command_line(
 
 #: Few constants and a short flight, since it is the counting that is compared.
 STUDY: Study = {
-    "rigs": 5,
+    "rigs": 3,
     "scenario": "duration = 9.0\n[pitch.steps]\njumps = [[1, 20], [5, -15]]\n"
     "[yaw.steps]\njumps = [[3, 60], [7, -30]]\n",
     "fix": ["effectiveness", "quadratic_effectiveness", "rotor_time_constant", "rotor_reaction"],
@@ -181,17 +181,22 @@ def studied_alone() -> tr.Coverage:
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
 def test_a_study_of_coverage_is_one_machines(
-    cluster: LocalCluster, studied_alone: tr.Coverage, workers: int, tmp_path: Path
+    cluster: LocalCluster, studied_alone: tr.Coverage, workers: int
 ) -> None:
     cluster.scale(workers)
     with Client(cluster) as client:
         client.wait_for_workers(workers)
-        found = distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **STUDY)
-        assert found == studied_alone
-        # What is kept is not computed again, and is of this study alone.
-        (tmp_path / "rigs-2-4.bin").unlink()
+        assert distributed.coverage(client, "aero2", **STUDY) == studied_alone
+
+
+def test_a_study_goes_on_from_its_chunks(
+    cluster: LocalCluster, studied_alone: tr.Coverage, tmp_path: Path
+) -> None:
+    with Client(cluster) as client:
+        assert distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **STUDY) == studied_alone
+        (tmp_path / "rigs-2-3.bin").unlink()
         there = (tmp_path / "rigs-0-2.bin").stat().st_mtime_ns
-        assert distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **STUDY) == found
+        assert distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **STUDY) == studied_alone
         assert (tmp_path / "rigs-0-2.bin").stat().st_mtime_ns == there
         with pytest.raises(ValueError, match=r"another run: window is 1\.5 there, 2 here"):
             other: Study = {**STUDY, "window": 2.0}
@@ -202,13 +207,13 @@ def test_a_study_of_coverage_is_the_command_lines(
     studied_alone: tr.Coverage, host_sim: Callable[..., Path], tmp_path: Path
 ) -> None:
     (tmp_path / "short.toml").write_text(STUDY["scenario"])
-    flags = ["--preset", "aero2", "--rigs", "5", "--scenario", str(tmp_path / "short.toml"), "--seed", "3"]
+    flags = ["--preset", "aero2", "--rigs", "3", "--scenario", str(tmp_path / "short.toml"), "--seed", "3"]
     fit = ["--fix", ",".join(STUDY["fix"]), "--window", "1.5", "--population", "2", "--iterations", "0"]
     told = json.loads((host_sim("coverage", *flags, *fit, "--json") / "stdout").read_text())
     named = {"scenario": told["scenario"]}
     assert told == {**studied_alone.told, **named}
     stiffness = studied_alone.constants["stiffness"]
-    assert stiffness.intervals == 5 - len(studied_alone.failures) and stiffness.held <= stiffness.intervals
+    assert stiffness.intervals == 3 - len(studied_alone.failures) and stiffness.held <= stiffness.intervals
     with pytest.raises(ValueError, match="rigs is 0"):
         tr.coverage("aero2", rigs=0)
     with pytest.raises(ValueError, match=r"spread is 1; allowed: 0 to 0\.9"):

@@ -158,15 +158,24 @@ def bench_tuners(
 ) -> dict[str, list[Tuned]]:
     """Methods of search on the paper's four gains and their ISE, ``seeds`` searches of each, a task each.
 
-    What ``host-sim bench-tuners --evaluations N`` computes, for N = population (50 if ``None``) times
+    What ``host-sim bench-tuners --evaluations N`` computes (its table: :func:`twinrotor.standings`), for N = population (50 if ``None``) times
     ``iterations`` + 1.
 
     :raises ValueError: if an argument is not what it may be.
     """
-    rig, what = rig_text(preset), (population, iterations, "step", "ideal", (1.0, 25.0), None)
+    rig = rig_text(preset)
     futures = {
         name: [
-            client.submit(_native.tune, rig, "ise", name, seed + k, *what, pure=False, retries=3)
+            client.submit(
+                _native.bench_tuner,
+                rig,
+                name,
+                seed + k,
+                population,
+                iterations,
+                pure=False,
+                retries=3,
+            )
             for k in _range(seeds)
         ]
         for name in algorithms

@@ -105,8 +105,7 @@ impl Study {
             .with("spread", scatter.constants)
             .with("lag spread", scatter.lag)
             .with("gains", gains.to_toml())
-            .with("scenario", format!("{scenario:?}"))
-            .with("first rig", rig::to_toml(&truths[0]));
+            .with("scenario", format!("{scenario:?}"));
         let settings = gains.settings(&nominal);
         Ok(Self { question, settings, scenario, scatter, truths, identity })
     }

@@ -20,10 +20,10 @@ fn study(seed: u64, rigs: usize) -> Study {
 
 #[test]
 fn a_rigs_verdict_does_not_depend_on_its_neighbours() {
-    let study = study(3, 5);
-    let whole = study.verdicts(0..5, NEVER, &|| ()).unwrap();
-    let parts = [4..5, 0..1, 1..4].map(|rigs| (rigs.start, study.verdicts(rigs, NEVER, &|| ()).unwrap()));
-    let mut joined = vec![Vec::new(); 5];
+    let study = study(3, 3);
+    let whole = study.verdicts(0..3, NEVER, &|| ()).unwrap();
+    let parts = [2..3, 0..2].map(|rigs| (rigs.start, study.verdicts(rigs, NEVER, &|| ()).unwrap()));
+    let mut joined = vec![Vec::new(); 3];
     for (first, verdicts) in parts {
         let bytes = study.encode(first, &verdicts);
         let (begins, read) = study.decode(&bytes).unwrap();
@@ -35,16 +35,16 @@ fn a_rigs_verdict_does_not_depend_on_its_neighbours() {
     let joined: Vec<Verdict> = joined.into_iter().flatten().collect();
     assert_eq!(joined, whole);
     assert_eq!(study.report(&joined), study.report(&whole));
-    assert_eq!(study.verdicts(0..5, &|| true, &|| ()), None);
+    assert_eq!(study.verdicts(0..3, &|| true, &|| ()), None);
 }
 
 /// Every constant that is fitted is drawn, and each is found nearer to the truth than the preset has it.
 #[test]
 fn what_is_fitted_is_drawn_and_found() {
-    let study = study(4, 6);
-    let verdicts = study.verdicts(0..6, NEVER, &|| ()).unwrap();
+    let study = study(4, 4);
+    let verdicts = study.verdicts(0..4, NEVER, &|| ()).unwrap();
     let answered: Vec<_> = verdicts.iter().flatten().collect();
-    assert!(answered.len() >= 5, "{verdicts:?}");
+    assert!(answered.len() >= 3, "{verdicts:?}");
     let preset = to_array(&AERO2.plant);
     let place = study.question.free().iter().position(|k| CONSTANTS[*k].name == "stiffness").unwrap();
     let nominal = preset[study.question.free()[place]];
