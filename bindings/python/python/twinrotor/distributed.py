@@ -158,8 +158,8 @@ def bench_tuners(
 ) -> dict[str, list[Tuned]]:
     """Methods of search on the paper's four gains and their ISE, ``seeds`` searches of each, a task each.
 
-    What ``host-sim bench-tuners --evaluations N`` computes (its table: :func:`twinrotor.standings`), for N = population (50 if ``None``) times
-    ``iterations`` + 1.
+    What ``host-sim bench-tuners --evaluations N`` computes, for N = population (50 if ``None``) times
+    ``iterations`` + 1; :func:`twinrotor.standings` makes its table of it.
 
     :raises ValueError: if an argument is not what it may be.
     """
