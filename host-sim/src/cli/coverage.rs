@@ -6,11 +6,11 @@ use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome};
 use crate::files;
 use crate::files::checkpoint::Keeper;
-use crate::stop;
 use std::fmt::Write;
 use twinrotor_identify::coverage::{EXCITATION, Failed, Report, Study, Verdict};
-use twinrotor_sim::is_text;
 use twinrotor_sim::scenario::Scenario;
+use twinrotor_sim::{Error, is_text};
+use twinrotor_tune::parallel::NEVER;
 
 /// Flags of `coverage`.
 #[derive(Debug, clap::Args)]
@@ -49,22 +49,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     outputs.reads("--gains", args.gains.as_deref().unwrap_or_default());
     outputs.reads("--scenario", args.scenario.as_deref().filter(|name| is_text(name)).unwrap_or_default());
     args.checkpoint.check(&mut outputs)?;
-    let begun = args.checkpoint.resume_or(Vec::new(), |_, bytes| Ok(study.decode(bytes)?.1))?;
+    let begun = args.checkpoint.resume_or(Vec::new(), |_, bytes| match study.decode(bytes)? {
+        (0, verdicts) => Ok(verdicts),
+        (first, _) => Err(Error::invalid("first rig", first, "0: a checkpoint, and not a cluster's chunk")),
+    })?;
 
-    let listening = stop::listen(stop::Second::Ends);
     let keeper = Keeper::new(args.checkpoint.file.as_deref());
     let verdicts = all(&study, begun, &keeper);
-    let kept = keeper.done(&mut outputs);
-    drop(listening);
-    if verdicts.len() < study.count() {
-        outputs.done()?;
-        let (done, all) = (verdicts.len(), study.count());
-        let go_on = kept.map_or_else(
-            || "nothing is kept".to_owned(),
-            |path| format!("--checkpoint {} --resume goes on", path.display()),
-        );
-        return Err(Failure::Interrupted(format!("{done} of {all} rigs were done; {go_on}")));
-    }
+    keeper.done(&mut outputs);
     let report = study.report(&verdicts);
     if args.common.json {
         print_json(&report)?;
@@ -74,7 +66,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     outputs.done()
 }
 
-/// Verdicts on all rigs, or on those that were done before it was interrupted.
+/// Verdicts on all rigs. An interrupt ends it at once: the checkpoint has all but the rigs at work.
 fn all(study: &Study, mut verdicts: Vec<Verdict>, keeper: &Keeper) -> Vec<Verdict> {
     let bar = bar(study.count(), "{bar:32} {pos}/{len} rigs, {eta} left");
     bar.set_position(verdicts.len() as u64);
@@ -82,8 +74,7 @@ fn all(study: &Study, mut verdicts: Vec<Verdict>, keeper: &Keeper) -> Vec<Verdic
     let at_once = rayon::current_num_threads();
     while verdicts.len() < study.count() {
         let next = verdicts.len()..study.count().min(verdicts.len() + at_once);
-        let Some(more) = study.verdicts(next, &stop::requested, &|| bar.inc(1)) else { break };
-        verdicts.extend(more);
+        verdicts.extend(study.verdicts(next, NEVER, &|| bar.inc(1)).expect("nothing stops it"));
         keeper.keep_now(|| study.encode(0, &verdicts));
     }
     bar.finish_and_clear();
