@@ -6,11 +6,12 @@ cd "$(dirname "$0")/../bindings/python"
 cargo fmt --check
 cargo clippy --release --all-targets -- -D warnings
 folder=../../target/python
-[ -x "$folder/venv/bin/python" ] || python3 -m venv "$folder/venv"
-CARGO_TARGET_DIR="$PWD/target" "$folder/venv/bin/pip" install -q --disable-pip-version-check ".[test]"
-"$folder/venv/bin/python" -c 'import twinrotor'
-"$folder/venv/bin/ruff" format --check --quiet .
-"$folder/venv/bin/ruff" check --quiet .
-"$folder/venv/bin/python" -m mypy --strict tests examples examples/notebooks/make.py benches python/twinrotor
-"$folder/venv/bin/python" -m pytest -q tests
-"$folder/venv/bin/python" examples/notebooks/make.py --check
+python=$folder/venv/bin/python
+[ -x "$python" ] || python3 -m venv "$folder/venv"
+CARGO_TARGET_DIR="$PWD/target" "$python" -m pip install -q --disable-pip-version-check ".[test]"
+"$python" -c 'import twinrotor'
+"$python" -m ruff format --check --quiet .
+"$python" -m ruff check --quiet .
+"$python" -m mypy --strict tests examples examples/notebooks/make.py benches python/twinrotor
+"$python" -m pytest -q -rs tests
+"$python" examples/notebooks/make.py --check

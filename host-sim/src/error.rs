@@ -65,9 +65,11 @@ impl From<Error> for Failure {
     }
 }
 
-/// What a library advises about a log's columns, as it is typed here: there they are a field, here a flag.
+/// What a library advises about a log's columns and constants, as it is typed here: there they are fields,
+/// here flags.
 pub fn as_typed(advice: &str) -> String {
-    COLUMNS.iter().fold(advice.to_owned(), |told, (column, ..)| {
+    let advice = advice.replace("(free it", "(--free it");
+    COLUMNS.iter().fold(advice, |told, (column, ..)| {
         let field = format!(" columns {column}=");
         told.replace(&field, &format!(" --{}", field.trim_start()))
     })

@@ -4,6 +4,8 @@
 mod batch;
 mod board;
 mod comparison;
+mod contest;
+mod coverage;
 mod flight;
 mod identification;
 mod linear;
@@ -24,6 +26,10 @@ mod _native {
     use crate::board::{Bench, ControlLoop, SimulatedBoard};
     #[pymodule_export]
     use crate::comparison::{compare, compare_chunk, compare_chunks, draw};
+    #[pymodule_export]
+    use crate::contest::{bench_tuner, holm, rank_sum, standings};
+    #[pymodule_export]
+    use crate::coverage::{coverage_chunk, coverage_chunks};
     #[pymodule_export]
     use crate::flight::simulate;
     #[pymodule_export]

@@ -26,11 +26,12 @@ use twinrotor_tune::tunable::Tunable;
 const CRITERIA: [(&str, Criterion); 3] =
     [("ise", Criterion::Ise), ("iae", Criterion::Iae), ("itae", Criterion::Itae)];
 
+/// What is said of a search.
 #[derive(Serialize)]
-struct Document<'a> {
-    cost: f64,
-    evaluations: usize,
-    history: &'a [(usize, f64)],
+pub(crate) struct Document<'a> {
+    pub(crate) cost: f64,
+    pub(crate) evaluations: usize,
+    pub(crate) history: &'a [(usize, f64)],
 }
 
 /// Who is told where a search stands, after every exchange.
@@ -71,7 +72,7 @@ fn drive(py: Python<'_>, search: &mut Search, problem: &dyn Problem, watched: &W
 }
 
 /// The method, and what it may use: as the command line counts.
-fn setup(algorithm: &str, population: Option<usize>, iterations: usize) -> PyResult<Setup> {
+pub(crate) fn setup(algorithm: &str, population: Option<usize>, iterations: usize) -> PyResult<Setup> {
     let algorithm = word("algorithm", algorithm, &ALGORITHMS)?;
     let each = population.unwrap_or(50);
     let setup = Setup { algorithm, population, evaluations: each };
@@ -86,7 +87,7 @@ fn told(search: &Search, found: &GainsFile) -> PyResult<(String, String)> {
     Ok((found.to_toml(), json(&document)?))
 }
 
-fn nothing() -> PyErr {
+pub(crate) fn nothing() -> PyErr {
     PyRuntimeError::new_err("no candidate flew to the end")
 }
 

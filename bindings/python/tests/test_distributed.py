@@ -6,7 +6,9 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
 import pytest
@@ -16,6 +18,16 @@ from twinrotor import distributed
 
 PLANTS, SEED = 25, 3
 CONTROLLERS = {"the preset's": None, "the paper's": "paper"}
+
+
+class Study(TypedDict):
+    rigs: int
+    scenario: str
+    fix: list[str]
+    window: float
+    population: int
+    iterations: int
+    seed: int
 
 
 @pytest.fixture(scope="module")
@@ -143,6 +155,79 @@ def test_methods_of_search_do_as_at_the_command_line(
             distributed.bench_tuners(client, ["luck"], seeds=1)
     for peer in told["algorithms"]:
         assert [run["cost"] for run in peer["runs"]] == [one.cost for one in found[peer["name"]]]
+    # The table with its rank tests, too.
+    standings = tr.standings(found)
+    assert [asdict(standings[name]) for name in names] == told["standings"]
+    assert standings["de"].p_value is None and standings["fpa-paper"].p_value is not None
+
+
+#: Few constants and a short flight, since it is the counting that is compared.
+STUDY: Study = {
+    "rigs": 3,
+    "scenario": "duration = 9.0\n[pitch.steps]\njumps = [[1, 20], [5, -15]]\n"
+    "[yaw.steps]\njumps = [[3, 60], [7, -30]]\n",
+    "fix": ["effectiveness", "quadratic_effectiveness", "rotor_time_constant", "rotor_reaction"],
+    "window": 1.5,
+    "population": 2,
+    "iterations": 0,
+    "seed": 3,
+}
+
+
+@pytest.fixture(scope="module")
+def studied_alone() -> tr.Coverage:
+    return tr.coverage("aero2", **STUDY)
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_a_study_of_coverage_is_one_machines(
+    cluster: LocalCluster, studied_alone: tr.Coverage, workers: int
+) -> None:
+    cluster.scale(workers)
+    with Client(cluster) as client:
+        client.wait_for_workers(workers)
+        assert distributed.coverage(client, "aero2", **STUDY) == studied_alone
+
+
+def test_a_study_goes_on_from_its_chunks(
+    cluster: LocalCluster, studied_alone: tr.Coverage, tmp_path: Path
+) -> None:
+    with Client(cluster) as client:
+        assert distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **STUDY) == studied_alone
+        (tmp_path / "rigs-2-3.bin").unlink()
+        there = (tmp_path / "rigs-0-2.bin").stat().st_mtime_ns
+        assert distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **STUDY) == studied_alone
+        assert (tmp_path / "rigs-0-2.bin").stat().st_mtime_ns == there
+        with pytest.raises(ValueError, match=r"another run: window is 1\.5 there, 2 here"):
+            other: Study = {**STUDY, "window": 2.0}
+            distributed.coverage(client, "aero2", chunk=2, checkpoint=tmp_path, **other)
+
+
+def test_a_study_of_coverage_is_the_command_lines(
+    studied_alone: tr.Coverage, host_sim: Callable[..., Path], tmp_path: Path
+) -> None:
+    (tmp_path / "short.toml").write_text(STUDY["scenario"])
+    flags = ["--preset", "aero2", "--rigs", "3", "--scenario", str(tmp_path / "short.toml"), "--seed", "3"]
+    fit = ["--fix", ",".join(STUDY["fix"]), "--window", "1.5", "--population", "2", "--iterations", "0"]
+    told = json.loads((host_sim("coverage", *flags, *fit, "--json") / "stdout").read_text())
+    named = {"scenario": told["scenario"]}
+    assert told == {**studied_alone.told, **named}
+    stiffness = studied_alone.constants["stiffness"]
+    assert stiffness.intervals == 3 - len(studied_alone.failures) and stiffness.held <= stiffness.intervals
+    with pytest.raises(ValueError, match="rigs is 0"):
+        tr.coverage("aero2", rigs=0)
+    with pytest.raises(ValueError, match=r"spread is 1; allowed: 0 to 0\.9"):
+        tr.coverage("aero2", spread=1.0)
+
+
+def test_tests_on_ranks() -> None:
+    """SciPy: ``mannwhitneyu(a, b, method="asymptotic")``."""
+    a = [1.1, 2.2, 3.3, 4.4, 5.5, 6.6, 7.7, 8.8]
+    b = np.array([2.0, 4.0, 6.0, 8.0, 9.0, 10.0, 11.0, 12.0])
+    assert tr.rank_sum(a, b) == pytest.approx(0.103562, abs=1e-6)
+    assert tr.holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    with pytest.raises(ValueError, match="no search of 'de'"):
+        tr.standings({"de": []})
 
 
 def test_a_chunk_is_the_wholes() -> None:

@@ -5,7 +5,8 @@
 //! asks whether the columns are what they are said to be, [`tachometer`] reads lags, [`first_guess`] finds
 //! where to begin, [`problem`] is the least squares, [`search`] and [`descent`] solve it, [`interval`] says
 //! how well each constant is known, [`mod@fit`] how well the logs are explained, and [`suggest`] which
-//! experiment would tell more.
+//! experiment would tell more. [`identification`] is the run itself, from the question to the report, and
+//! [`coverage`] a study of whether intervals hold what they claim.
 
 #![cfg_attr(
     test,
@@ -18,10 +19,12 @@
 )]
 
 pub mod constants;
+pub mod coverage;
 pub mod descent;
 pub mod doubts;
 pub mod first_guess;
 pub mod fit;
+pub mod identification;
 pub mod interval;
 pub mod log;
 pub mod problem;

@@ -33,6 +33,9 @@ examples! {
     IDENTIFY "identify.md":
         "host-sim identify run.csv --preset aero --out my.toml\n\
          \x20 host-sim identify run.csv --columns pitch=-theta:deg,v0=u_main:mV --validate other.csv";
+    COVERAGE "identify.md":
+        "host-sim coverage --preset aero2 --rigs 200\n\
+         \x20 host-sim coverage --preset aero2 --rigs 200 --checkpoint rigs.bin --resume";
     REPLAY "identify.md":
         "host-sim replay run.csv --preset my.toml --gains my-gains.toml --plot replay.svg";
     COMPARE "own-controller.md":

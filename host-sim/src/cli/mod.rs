@@ -9,7 +9,9 @@ mod bench_tuners;
 mod choices;
 mod common;
 mod compare;
+mod coverage;
 mod examples;
+mod fitted;
 mod flash;
 mod fly;
 mod identify;
@@ -74,6 +76,9 @@ enum Command {
     /// A rig's constants, with intervals, from logs of its own runs
     #[command(after_help = examples::IDENTIFY)]
     Identify(identify::Args),
+    /// Whether the intervals of 'identify' hold the truth: rigs drawn around a preset, a log of each
+    #[command(after_help = examples::COVERAGE)]
+    Coverage(coverage::Args),
     /// A log through the firmware's own estimator and law
     #[command(after_help = examples::REPLAY)]
     Replay(replay::Args),
@@ -126,6 +131,7 @@ pub fn main() -> ExitCode {
         Command::Map(args) => map::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::Coverage(args) => coverage::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Fly(args) => fly::run(&args),

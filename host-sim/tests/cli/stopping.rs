@@ -47,7 +47,7 @@ fn every_long_command_ends_soon_and_claims_nothing() {
     let hour =
         "duration = 3600.0\n[pitch.sine]\namplitude_deg = 5.0\nfrequency = 1.0\n[yaw.steps]\njumps = []\n";
     fs::write(folder.path().join("hour.toml"), hour).unwrap();
-    let cases: [(&[&str], &str, &str); 8] = [
+    let cases: [(&[&str], &str, &str); 9] = [
         (
             &["tune", "--objective", "robust", "--preset", "aero2", "--plants", "3000"],
             "-TERM",
@@ -64,6 +64,7 @@ fn every_long_command_ends_soon_and_claims_nothing() {
             "error: interrupted\n",
         ),
         (&["bench"], "-TERM", "error: interrupted\n"),
+        (&["coverage", "--preset", "aero2"], "-INT", "error: interrupted\n"),
     ];
     for (args, signal, expected) in cases {
         let (status, told) = stopped(start(folder.path(), &program(args)), A_WHILE / 2, signal);
@@ -130,6 +131,38 @@ fn an_interrupted_search_goes_on_to_the_same_bytes_with_the_same_command() {
     let other = host_sim(folder.path(), &[&resumed[..], &["--seed", "2"]].concat());
     let told = String::from_utf8(other.stderr).unwrap();
     assert_eq!(told, "error: c.ck: belongs to another run: seed is 1 there, 2 here\n");
+}
+
+/// A study is the same on any number of threads, and goes on where it was interrupted.
+#[test]
+fn an_interrupted_study_of_intervals_goes_on_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = "duration = 9.0\n[pitch.steps]\njumps = [[1, 20], [5, -15]]\n\
+         [yaw.steps]\njumps = [[3, 60], [7, -30]]\n";
+    fs::write(folder.path().join("short.toml"), short).unwrap();
+    let fix = "effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction";
+    let study = ["coverage", "--preset", "aero2", "--rigs", "3", "--scenario", "short.toml", "--fix", fix];
+    let quick = ["--window", "1.5", "--population", "2", "--iterations", "0", "--json"];
+    let args = |more: &[&'static str]| [&study[..], &quick, more].concat();
+    let whole = json(folder.path(), &args(&["--threads", "3"]));
+    let resumed = args(&["--threads", "1", "--checkpoint", "rigs.ck", "--resume"]);
+    let child = start(folder.path(), &program(&resumed));
+    while !folder.path().join("rigs.ck").exists() {
+        sleep(Duration::from_millis(5));
+    }
+    let (status, told) = stopped(child, Duration::ZERO, "-INT");
+    assert_eq!(status, Some(130), "{told}");
+    assert_eq!(told, "error: interrupted\n");
+    assert_eq!(json(folder.path(), &resumed), whole);
+    let constants = whole["constants"].as_array().unwrap();
+    assert_eq!(constants.len(), 5);
+    for constant in constants {
+        let number = |name: &str| constant[name].as_f64().unwrap();
+        assert!(number("held") <= number("intervals") && number("intervals") <= 3.0, "{constant}");
+    }
+    let other = host_sim(folder.path(), &[&resumed[..], &["--seed", "2"]].concat());
+    let told = String::from_utf8(other.stderr).unwrap();
+    assert_eq!(told, "error: rigs.ck: belongs to another run: seed is 1 there, 2 here\n");
 }
 
 /// Under `nohup`, which is what long searches are started with, a terminal that is closed ends nothing.

@@ -9,6 +9,8 @@ What is wrong raises ``ValueError`` with field, value and what is allowed.
 
 from ._batch import Batch, Stepped
 from ._board import Bench, Controller, ControlLoop, Fault, Port, SimulatedBoard
+from ._contest import Standing, holm, rank_sum, standings
+from ._coverage import Coverage, Covered, coverage
 from ._flight import Flight, simulate
 from ._gains import Gains, GainsLike, Rig, RigLike, Setting, presets, settings
 from ._identify import Constant, Fit, Identified, identify
@@ -24,6 +26,8 @@ __all__ = [
     "Constant",
     "ControlLoop",
     "Controller",
+    "Coverage",
+    "Covered",
     "Fault",
     "Fit",
     "Flight",
@@ -38,17 +42,22 @@ __all__ = [
     "RigLike",
     "Setting",
     "SimulatedBoard",
+    "Standing",
     "Stepped",
     "Tuned",
     "compare",
+    "coverage",
     "draw",
+    "holm",
     "identify",
     "linearize",
     "margins",
     "presets",
+    "rank_sum",
     "replay",
     "settings",
     "simulate",
+    "standings",
     "tune",
     "tune_robust",
 ]

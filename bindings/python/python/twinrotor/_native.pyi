@@ -4,6 +4,8 @@ from typing import Self, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from ._coverage import Studied
+
 Array: TypeAlias = npt.NDArray[np.float64]
 Candidates: TypeAlias = list[tuple[list[float], float]]
 Rows: TypeAlias = npt.NDArray[np.float32]
@@ -99,6 +101,14 @@ def replay(
     scenario: str | None,
     rotor_lag: float | None,
 ) -> tuple[dict[str, Array], str]: ...
+def coverage_chunk(studied: Studied, first: int, end: int) -> bytes: ...
+def coverage_chunks(studied: Studied, chunks: list[bytes]) -> str: ...
+def bench_tuner(
+    preset: str, algorithm: str, seed: int, population: int | None, iterations: int
+) -> tuple[str, str]: ...
+def standings(peers: list[tuple[str, list[tuple[float, list[tuple[int, float]]]]]]) -> tuple[float, str]: ...
+def rank_sum(a: list[float], b: list[float]) -> float: ...
+def holm(p_values: list[float]) -> list[float]: ...
 
 class ControlLoop:
     def __new__(

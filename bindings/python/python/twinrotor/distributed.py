@@ -1,4 +1,4 @@
-"""Comparisons and tunings on a Dask cluster: byte for byte what one machine computes.
+"""Comparisons, tunings and studies on a Dask cluster: byte for byte what one machine computes.
 
 ``client`` is a ``distributed.Client``, of worker processes on this machine, or of a cluster of Slurm's or
 Kubernetes' (``dask_jobqueue``, ``dask_kubernetes``). Dask schedules, moves data and tries again what a lost
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _native
+from ._coverage import Coverage, chunks_of, covered, studied
 from ._gains import GainsLike, RigLike, gains_text, rig_text
 from ._search import Comparison, Tuned, comparisons, tuned
 
@@ -44,31 +45,7 @@ def compare(
     rig = rig_text(preset)
     named = [(name, gains_text(gains)) for name, gains in controllers.items()]
     bounds = [(first, min(first + chunk, plants)) for first in range(0, plants, chunk)]
-    folder = None if checkpoint is None else Path(checkpoint)
-    if folder is not None:
-        folder.mkdir(parents=True, exist_ok=True)
-
-    def place(first: int, end: int) -> Path | None:
-        return None if folder is None else folder / f"plants-{first}-{end}.bin"
-
-    flown: dict[int, bytes] = {}
-    asked: dict[Future[bytes], tuple[int, int]] = {}
-    for first, end in bounds:
-        path = place(first, end)
-        if path is not None and path.exists():
-            flown[first] = path.read_bytes()
-        else:
-            future = client.submit(
-                _native.compare_chunk, rig, named, plants, seed, first, end, pure=False, retries=3
-            )
-            asked[future] = (first, end)
-    for future in _as_completed(asked):
-        first, end = asked[future]
-        flown[first] = future.result()
-        path = place(first, end)
-        if path is not None:
-            _write(path, flown[first])
-    chunks = [flown[first] for first, _ in bounds]
+    chunks = _chunks(client, _native.compare_chunk, (rig, named, plants, seed), bounds, "plants", checkpoint)
     return comparisons(named, _native.compare_chunks(rig, named, plants, seed, chunks))
 
 
@@ -128,6 +105,47 @@ def tune_robust(
     )
 
 
+def coverage(
+    client: Client,
+    preset: RigLike = "paper",
+    *,
+    gains: GainsLike = None,
+    scenario: str | os.PathLike[str] | None = None,
+    rigs: int = 100,
+    spread: float = 0.3,
+    lag_spread: float = 0.7,
+    free: Sequence[str] = (),
+    fix: Sequence[str] = (),
+    window: float = 3.5,
+    population: int = 12,
+    iterations: int = 3,
+    seed: int = 1,
+    chunk: int = 1,
+    checkpoint: str | os.PathLike[str] | None = None,
+) -> Coverage:
+    """:func:`twinrotor.coverage`, ``chunk`` rigs a task.
+
+    :param checkpoint: a folder in which finished chunks are kept; those that it has are not computed again.
+    :raises ValueError: if an argument is not what it may be, or a chunk that was kept is of another study.
+    """
+    what = studied(
+        preset,
+        gains,
+        scenario,
+        rigs,
+        spread,
+        lag_spread,
+        free,
+        fix,
+        window,
+        population,
+        iterations,
+        seed,
+    )
+    bounds = chunks_of(rigs, chunk)
+    return covered(what, _chunks(client, _native.coverage_chunk, (what,), bounds, "rigs", checkpoint))
+
+
 def bench_tuners(
     client: Client,
     algorithms: Sequence[str],
@@ -141,19 +159,62 @@ def bench_tuners(
     """Methods of search on the paper's four gains and their ISE, ``seeds`` searches of each, a task each.
 
     What ``host-sim bench-tuners --evaluations N`` computes, for N = population (50 if ``None``) times
-    ``iterations`` + 1.
+    ``iterations`` + 1; :func:`twinrotor.standings` makes its table of it.
 
     :raises ValueError: if an argument is not what it may be.
     """
-    rig, what = rig_text(preset), (population, iterations, "step", "ideal", (1.0, 25.0), None)
+    rig = rig_text(preset)
     futures = {
         name: [
-            client.submit(_native.tune, rig, "ise", name, seed + k, *what, pure=False, retries=3)
+            client.submit(
+                _native.bench_tuner,
+                rig,
+                name,
+                seed + k,
+                population,
+                iterations,
+                pure=False,
+                retries=3,
+            )
             for k in _range(seeds)
         ]
         for name in algorithms
     }
     return {name: [tuned(found) for found in client.gather(runs)] for name, runs in futures.items()}
+
+
+def _chunks(
+    client: Client,
+    compute: Callable[..., bytes],
+    what: tuple[object, ...],
+    bounds: Sequence[tuple[int, int]],
+    kind: str,
+    checkpoint: str | os.PathLike[str] | None,
+) -> list[bytes]:
+    """``compute(*what, first, end)`` of all ``bounds``, each a task, without those that the folder has."""
+    folder = None if checkpoint is None else Path(checkpoint)
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def place(first: int, end: int) -> Path | None:
+        return None if folder is None else folder / f"{kind}-{first}-{end}.bin"
+
+    done: dict[int, bytes] = {}
+    asked: dict[Future[bytes], tuple[int, int]] = {}
+    for first, end in bounds:
+        path = place(first, end)
+        if path is not None and path.exists():
+            done[first] = path.read_bytes()
+        else:
+            future = client.submit(compute, *what, first, end, pure=False, retries=3)
+            asked[future] = (first, end)
+    for future in _as_completed(asked):
+        first, end = asked[future]
+        done[first] = future.result()
+        path = place(first, end)
+        if path is not None:
+            _write(path, done[first])
+    return [done[first] for first, _ in bounds]
 
 
 #: ``range`` is also the name of an argument.

@@ -27,6 +27,15 @@ use super::{firmware, make_ready, paper_parameters, rest, start};
 /// Ticks in the air.
 const TICKS: usize = 10_000;
 
+/// What went into a tick of the board, and what telemetry told of it, where it was compared.
+pub(super) struct Recorded {
+    pub(super) counters: PerAxis<u32>,
+    /// \[V\]
+    pub(super) supply: f32,
+    pub(super) command: Option<OperatorCommand>,
+    pub(super) frame: Option<Frame>,
+}
+
 /// The board's loop on the host.
 struct Host {
     helicopter: Helicopter,
@@ -93,6 +102,7 @@ fn fly(
     rig: &Rig,
     parameters: &Parameters,
     setpoints: &[PerAxis<f32>],
+    ticks: usize,
 ) -> (Vec<Frame>, Vec<[i64; 2]>) {
     let mut station = start(setup.with_image(ADDRESS, image(&[*parameters])), rig);
     // What is said before the board listens is lost.
@@ -102,10 +112,10 @@ fn fly(
     station.aim(setpoints[0]);
     station.run(50);
     station.request(Request::Arm);
-    station.run(TICKS as u64 / setpoints.len() as u64 + 50);
+    station.run(ticks as u64 / setpoints.len() as u64 + 50);
     for &setpoint in &setpoints[1..] {
         station.aim(setpoint);
-        station.run(TICKS as u64 / setpoints.len() as u64 + 50);
+        station.run(ticks as u64 / setpoints.len() as u64 + 50);
     }
     let (trace, ticks) = station.machine.trace();
     // The outputs that were looked at next after each tick.
@@ -124,16 +134,28 @@ fn assert_equal(rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) 
 }
 
 fn assert_equal_on(setup: Setup, rig: &Rig, parameters: &Parameters, setpoints: &[PerAxis<f32>]) {
-    let (frames, asked) = fly(setup, rig, parameters, setpoints);
+    compared(setup, rig, parameters, setpoints, TICKS);
+}
+
+/// Flies so many ticks on the board and compares every one; gives them all, from switched on.
+pub(super) fn compared(
+    setup: Setup,
+    rig: &Rig,
+    parameters: &Parameters,
+    setpoints: &[PerAxis<f32>],
+    ticks: usize,
+) -> Vec<Recorded> {
+    let (frames, asked) = fly(setup, rig, parameters, setpoints, ticks);
     let zeroed = frames.iter().position(|frame| !frame.conditions.contains(Condition::NotZeroed));
     let zeroed = frames[zeroed.expect("it was zeroed")].tick;
     let armed = frames.iter().find(|frame| frame.state == ArmState::Armed).expect("it was armed").tick;
     let mut host = Host::new(rig, parameters);
     let mut waiting = setpoints.iter();
     let mut compared = 0;
+    let mut recorded: Vec<Recorded> = Vec::with_capacity(asked.len());
     let mut frames = frames.iter().peekable();
     for (tick, &steps) in (0_u32..).zip(&asked) {
-        let command = match tick {
+        let mut command = match tick {
             tick if tick + 1 == zeroed => Some(OperatorCommand::Zero),
             tick if tick == armed => Some(OperatorCommand::Request(Request::Arm)),
             _ => None,
@@ -146,12 +168,15 @@ fn assert_equal_on(setup: Setup, rig: &Rig, parameters: &Parameters, setpoints: 
             && let Some(&setpoint) = waiting.next()
         {
             // A setpoint that came over the link came into this tick, or into the last one.
-            let command = OperatorCommand::Setpoint(Reference::at_rest(setpoint));
-            computed = host.compute(Some(command));
+            let aim = OperatorCommand::Setpoint(Reference::at_rest(setpoint));
+            computed = host.compute(Some(aim));
+            command = Some(aim);
             if bits(frame) != bits(&computed.0.frame())
-                && let Some(late) = host.compute_late(command)
+                && let Some(late) = host.compute_late(aim)
+                && let Some(last) = recorded.last_mut()
             {
                 computed = late;
+                (last.command, command) = (command, None);
             }
         }
         if let Some(frame) = frame
@@ -165,19 +190,27 @@ fn assert_equal_on(setup: Setup, rig: &Rig, parameters: &Parameters, setpoints: 
             );
             assert_eq!(frame.state, computed.0.frame().state, "tick {tick}");
         }
+        let frame = frame.filter(|frame| frame.tick >= zeroed);
+        recorded.push(Recorded {
+            counters: host.helicopter.counters(),
+            supply: host.supply,
+            command,
+            frame: frame.copied(),
+        });
         let expected = host.take(computed);
         assert_eq!(steps, expected, "compare values latched at tick {tick}");
         compared += usize::from(tick > armed && frame.is_some());
     }
-    assert!(compared >= TICKS, "only {compared} ticks in the air were compared");
+    assert!(compared >= ticks, "only {compared} ticks in the air were compared");
     assert!(waiting.next().is_none(), "every setpoint came to bear");
     let moved = asked.iter().filter(|&&steps| steps != [0, 0]).count();
-    assert!(moved > TICKS / 2, "the motors turned");
+    assert!(moved > ticks / 2, "the motors turned");
+    recorded
 }
 
 /// 15 and 40 degrees, the paper's step.
-const STEP: PerAxis<f32> = PerAxis { pitch: 0.261_799_4, yaw: 0.698_131_7 };
-const BACK: PerAxis<f32> = PerAxis { pitch: -0.05, yaw: 0.1 };
+pub(super) const STEP: PerAxis<f32> = PerAxis { pitch: 0.261_799_4, yaw: 0.698_131_7 };
+pub(super) const BACK: PerAxis<f32> = PerAxis { pitch: -0.05, yaw: 0.1 };
 
 #[test]
 fn the_papers_rig_flies_on_the_board_as_on_the_host() {

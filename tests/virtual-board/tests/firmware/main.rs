@@ -8,6 +8,7 @@ mod noise;
 mod parameters;
 mod power_cuts;
 mod proofs;
+mod recorded;
 mod replay;
 mod resets;
 mod simulated;
