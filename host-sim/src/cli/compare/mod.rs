@@ -69,6 +69,16 @@ pub(super) struct Args {
     /// True lag of both rotors, in s, in every plant, whatever the controllers believe
     #[arg(long, value_name = "S", help_heading = "Rig")]
     true_lag: Option<f64>,
+    /// Fly the same plants again with every lag at these multiples of what is believed, such as .2,.5,1,2,3
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with_all = ["true_lag", "scenario", "shard"],
+        help_heading = "Rig"
+    )]
+    true_lags: Vec<f64>,
     /// Rig that every plant is in truth, all of it, whatever the controllers believe; lag and disturbance are
     /// still drawn
     #[arg(long, value_name = "RIG", help_heading = "Rig")]
@@ -126,8 +136,12 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         return outputs.done();
     }
     let flown = fly(&trial, &controllers, scenario.as_ref(), &found)?;
+    let lags = args.true_lags.iter().map(|lag| robust::check_multiple(*lag).map_err(Failure::of_flag));
+    let lags = lags.collect::<Outcome<Vec<_>>>()?;
+    let wrong = |(_, controller): &(_, _)| found.all(trial.lag_rows(controller, &lags, NEVER));
+    let wrong = controllers.iter().map(wrong).collect::<Outcome<Vec<_>>>()?;
     let note = found.note(args.plants, device::RIG_FLIGHTS);
-    told::show(&head, &flown, &args.told, args.common.json, &note, &mut outputs)?;
+    told::show(&head, &flown, wrong, &args.told, args.common.json, &note, &mut outputs)?;
     outputs.done()
 }
 
