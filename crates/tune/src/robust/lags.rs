@@ -76,11 +76,11 @@ impl Trial {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Limit, Row};
+    use super::super::{Limit, Row, UNSEEN, allowance};
     use super::*;
     use crate::parallel::NEVER;
     use twinrotor::defaults;
-    use twinrotor::plant::presets::PAPER;
+    use twinrotor::plant::presets::{self, PAPER};
 
     /// All but the lag stays as it was drawn, and what is flown is what `--true-lag` flies.
     #[test]
@@ -97,6 +97,20 @@ mod tests {
         }
         for bad in [0.0, 11.0, f64::NAN] {
             assert!(check_multiple(bad).unwrap_err().to_string().contains("allowed: 0.05 to 10 times"));
+        }
+    }
+
+    /// On plants that nothing was tuned on: `heli`, whose lag nobody has measured, from a fifth of it to three
+    /// times, and every other preset from a fifth to twice (docs/rig-law.md, "Lag that is wrong by far").
+    #[test]
+    fn what_boards_boot_with_holds_where_lags_are_wrong_by_far() {
+        for ((name, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
+            let (plants, multiples): (_, &[f64]) =
+                if name == "heli" { (60, &[0.2, 0.5, 2.0, 3.0]) } else { (12, &[0.2, 2.0]) };
+            let trial = Trial::new(&rig, plants, UNSEEN + 1, allowance(name, &rig));
+            for row in trial.lag_rows(&controller, multiples, NEVER).unwrap() {
+                assert_eq!(row.failures, 0, "{name}: {row:?}");
+            }
         }
     }
 

@@ -107,6 +107,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     within("--plants", args.plants, 2, MOST_PLANTS)?;
     let scatter = args.spreads.scatter()?;
+    let lags = args.true_lags.iter().map(|lag| robust::check_multiple(*lag).map_err(Failure::of_flag));
+    let lags = lags.collect::<Outcome<Vec<_>>>()?;
     let found = args.device.find()?;
     let trial = trial(args, &named, &scatter)?.on(found.device());
     let mut outputs = outputs(args, &named)?;
@@ -136,8 +138,6 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         return outputs.done();
     }
     let flown = fly(&trial, &controllers, scenario.as_ref(), &found)?;
-    let lags = args.true_lags.iter().map(|lag| robust::check_multiple(*lag).map_err(Failure::of_flag));
-    let lags = lags.collect::<Outcome<Vec<_>>>()?;
     let wrong = |(_, controller): &(_, _)| found.all(trial.lag_rows(controller, &lags, NEVER));
     let wrong = controllers.iter().map(wrong).collect::<Outcome<Vec<_>>>()?;
     let note = found.note(args.plants, device::RIG_FLIGHTS);
