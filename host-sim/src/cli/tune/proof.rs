@@ -160,7 +160,7 @@ mod tests {
     use twinrotor::defaults;
     use twinrotor::plant::presets;
 
-    /// What boards boot with, on the encoders of each preset and on coarser ones: what the warning says is so.
+    /// What boards boot with, on each preset's encoders and on coarser ones: what the warning says is so.
     /// Prints the table of docs/tuning.md.
     #[test]
     fn what_is_said_of_coarse_encoders_is_so_on_every_preset() {
