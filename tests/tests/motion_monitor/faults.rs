@@ -84,7 +84,8 @@ fn most(name: &str, what: &str) -> u32 {
     if (name, what) == ("heli", "pitch slipping") { 220 } else { 200 }
 }
 
-/// Whatever was found then is found now, within twice the time; the one exception is [`most`]'s. Prints a table of both.
+/// Whatever was found then is found now, within twice the time; the one exception is [`most`]'s. Prints a
+/// table of both.
 #[test]
 fn faults_are_found_as_before() {
     let mut before = BEFORE.lines().skip(1);

@@ -101,7 +101,8 @@ mod tests {
     }
 
     /// On plants that nothing was tuned on: `heli`, whose lag nobody has measured, from a fifth of it to
-    /// three times, and every other preset from a fifth to twice (docs/rig-law.md, "Lag that is wrong by far").
+    /// three times, and every other preset from a fifth to twice (docs/rig-law.md, "Lag that is wrong by
+    /// far").
     #[test]
     fn what_boards_boot_with_holds_where_lags_are_wrong_by_far() {
         for ((name, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
