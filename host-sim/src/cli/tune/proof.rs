@@ -163,6 +163,7 @@ mod tests {
     /// What boards boot with, on each preset's encoders and on coarser ones: what the warning says is so.
     /// Prints the table of docs/tuning.md.
     #[test]
+    #[expect(clippy::print_stdout, reason = "a table for whoever asks for it")]
     fn what_is_said_of_coarse_encoders_is_so_on_every_preset() {
         println!("| preset | all | half | a quarter | takes |\n|---|---|---|---|---|");
         for (name, rig) in presets::ALL {
