@@ -164,30 +164,30 @@ pub const AERO_LAB: ControllerSettings<f64> = ControllerSettings {
 pub const HELI: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 9.08012104572903,
-            rate: 21.01841956762598,
-            weight: 0.7771319207842456,
-            integral: 24.467736383450138,
+            position: 9.190406420266104,
+            rate: 40.49797192370051,
+            weight: 2.424102216015123,
+            integral: 24.621003614082152,
         },
         IntegralGains {
-            position: 14.036385123209968,
-            rate: 10.00084135856904,
-            weight: 1.2482575735781287,
-            integral: 29.410533020142598,
+            position: 34.794027282565985,
+            rate: 6.043894482109863,
+            weight: 1.0829997427189817,
+            integral: 47.96702955798019,
         },
     )),
-    estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(92.00172669963361, 64.86142243950457),
+    estimator: EstimatorSettings::Luenberger {
+        bandwidth: PerAxis::new(119.9999363735044, 116.0700900850898),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(7.266908666803452, 6.488304388558867),
-        damping: Some(PerAxis::new(0.9819449274260853, 0.7940183850202015)),
-        advance: Some(PerAxis::new(0.09154159896597366, 0.1282965945379595)),
-        reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
+        bandwidth: PerAxis::new(11.178997724490888, 6.315700788933962),
+        damping: Some(PerAxis::new(1.4491988158534665, 0.8171699039222939)),
+        advance: Some(PerAxis::new(0.0368960320319162, 0.15582006971899115)),
+        reach: Some(PerAxis::new(0.2618, 0.69813)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 0.7221374554617485 },
-    lead: Some(Lead { factor: 2.6022047419223497 }),
-    cancellation: Some(PerAxis::new(0.3394254210766847, 0.44595241709039907)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.38719964014701286 },
+    lead: Some(Lead { factor: 1.9349997070140406 }),
+    cancellation: None,
 };
 
 /// Every default by its preset's name.

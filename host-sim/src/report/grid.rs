@@ -1,6 +1,7 @@
 //! What was measured, as a table of its own.
 
 use serde::Serialize;
+use std::borrow::Cow;
 
 /// A row for each of what was measured, a column for each number of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -8,7 +9,7 @@ pub struct Grid {
     /// Its file's stem.
     pub name: String,
     /// Above the columns, with units; the first is of the rows' names.
-    pub heads: Vec<&'static str>,
+    pub heads: Vec<Cow<'static, str>>,
     /// As many cells as there are heads.
     pub rows: Vec<Vec<String>>,
     /// Beneath it: what the heads mean.
@@ -23,7 +24,7 @@ impl Grid {
                 cells.iter().map(|c| format!("\"{}\"", c.replace('"', "\"\""))).collect();
             quoted.join(",") + "\n"
         };
-        let heads = line(self.heads.iter().map(|h| (*h).to_owned()).collect());
+        let heads = line(self.heads.iter().map(|h| h.clone().into_owned()).collect());
         self.rows.iter().fold(heads, |text, row| text + &line(row.clone()))
     }
 }

@@ -112,7 +112,7 @@ fn grid(text: &mut String, g: &Grid) {
         text,
         "<div class=grid id={}><table><thead><tr>{}</tr></thead><tbody>",
         g.name,
-        cells("th", &mut g.heads.iter().copied())
+        cells("th", &mut g.heads.iter().map(|h| &**h))
     );
     for row in &g.rows {
         let _ = writeln!(text, "<tr>{}</tr>", cells("td", &mut row.iter().map(String::as_str)));

@@ -163,7 +163,9 @@ fn measured(standings: &[Standing], seeds: u64) -> Grid {
     };
     Grid {
         name: "table-1".to_owned(),
-        heads: vec!["method", "median ISE", "best", "worst", "evaluations to 1 %", "to .1 %"],
+        heads: ["method", "median ISE", "best", "worst", "evaluations to 1 %", "to .1 %"]
+            .map(Into::into)
+            .into(),
         rows: standings.iter().map(row).collect(),
         note: format!(
             "ISE at the end and evaluations until within 1 % and .1 % of the lowest known, medians of \

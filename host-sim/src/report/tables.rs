@@ -264,7 +264,7 @@ fn measured(list: &[Rival]) -> Grid {
     };
     Grid {
         name: "table-6".to_owned(),
-        heads: vec![
+        heads: [
             "controller",
             "the paper's words",
             "J",
@@ -273,7 +273,9 @@ fn measured(list: &[Rival]) -> Grid {
             "disturbed [°]",
             "beyond a limit [s]",
             "fail [%]",
-        ],
+        ]
+        .map(Into::into)
+        .into(),
         rows: list.iter().map(row).collect(),
         note: "The paper's words: saturation handled, robust to disturbances, tracking. Pairs: pitch / yaw. \
                J: the robust objective, lower is better. Disturbed: RMS error from the disturbance on."

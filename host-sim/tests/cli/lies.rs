@@ -48,6 +48,7 @@ fn numbers_that_a_board_cannot_hold_are_refused_where_they_enter() {
         (&["tune", "--bounds", "1e20,1e30"], "--bounds is '1e20,1e30'; allowed: two finite numbers"),
         (&["simulate", "--rotor-lag", "1e300"], "--rotor-lag is 1e300; allowed: at most 1e9 in size"),
         (&["simulate", "--rotor-lag", "-1"], "--rotor-lag is -1; allowed: a finite number of at least 0"),
+        (&["compare", "--true-lags", "1,0"], "true-lags is 0; allowed: 0.05 to 10 times what is believed"),
         (&["compare", "--true-lag", "-1"], "--true-lag is -1; allowed: a finite number"),
         (&["simulate", "--seed", "-1"], "'--seed <SEED>': allowed: a whole number of at least 0"),
         (&["simulate", "--seed", "99999999999999999999"], "at most 18446744073709551615"),

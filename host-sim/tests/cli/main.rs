@@ -155,6 +155,7 @@ fn a_flag_without_effect_is_refused_in_one_line() {
         ("--plants", "7"),
         ("--spread", ".1"),
         ("--lag-spread", ".1"),
+        ("--true-lags", "3"),
         ("--rounds", "2"),
         ("--range", "3"),
     ] {

@@ -31,6 +31,30 @@ fn scenes_cost_beside_the_step_whose_j_stays() {
     assert_eq!(all["controllers"][1]["failures"], 20);
 }
 
+/// A multiple of the lag believed is that lag in seconds.
+#[test]
+fn lags_that_are_wrong_are_flown_beside_the_drawn_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let gains = gains();
+    let compare = |more: &[&str]| {
+        let args = ["compare", "--preset", "heli", "--plants", "8", "--controllers", "pd", "--json"];
+        json(folder.path(), &[&args[..], &["--gains", &gains], more].concat())
+    };
+    let (drawn, beside) = (compare(&[]), compare(&["--true-lags", ".5,3"]));
+    for (k, lag) in [".05", ".3"].into_iter().enumerate() {
+        let alone = compare(&["--true-lag", lag]);
+        for controller in 0..2 {
+            let row = &beside["controllers"][controller];
+            assert_eq!(row["J"], drawn["controllers"][controller]["J"]);
+            let (there, alone) = (&row["lags"][k], &alone["controllers"][controller]);
+            let (j, same) = (there["J"].as_f64().unwrap(), alone["J"].as_f64().unwrap());
+            assert!((j / same - 1.0).abs() < 1e-6, "{there} {alone}");
+            assert_eq!((&there["failures"], &there["cuts"]), (&alone["failures"], &alone["cuts"]));
+        }
+    }
+    assert!(drawn["controllers"][0].get("lags").is_none());
+}
+
 #[test]
 fn a_search_through_all_scenes_is_the_same_bytes_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();

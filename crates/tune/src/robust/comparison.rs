@@ -1,5 +1,6 @@
 //! Controllers side by side on the same plants.
 
+use super::LagRow;
 use super::cost::{Score, quantile, step_total, total};
 use super::proportion::upper_bound;
 use super::scenes::{SCENES, SceneScore};
@@ -74,6 +75,9 @@ pub struct Row {
     pub step_total: f64,
     /// The scenes that were flown beside it.
     pub scenes: Vec<SceneRow>,
+    /// The same flights with rotors whose lag is wrong by far, where they were flown.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lags: Vec<LagRow>,
     /// c.
     pub cost: Spread,
     /// \[s\] Median.
@@ -116,6 +120,7 @@ impl Row {
             total: total(scores),
             step_total: step_total(scores),
             scenes: SceneRow::all(scores),
+            lags: Vec::new(),
             cost: Spread::of(&costs),
             settling_time_2: both(0.5, |s| s.settling_time),
             settling_p95: both(0.95, |s| s.settling_time),

@@ -14,7 +14,7 @@ pub struct Limit {
 }
 
 /// The numbers that can be limited, as `compare --json` spells them, in its units.
-const NUMBERS: [(&str, Number); 14] = [
+const NUMBERS: [(&str, Number); 16] = [
     ("failures", |r| r.failures as f64),
     ("settling_time_2.pitch", |r| r.settling_time_2.pitch),
     ("settling_time_2.yaw", |r| r.settling_time_2.yaw),
@@ -29,6 +29,8 @@ const NUMBERS: [(&str, Number); 14] = [
     ("voltage_variation", |r| r.voltage_variation),
     ("saturation_time", |r| r.saturation_time),
     ("J_step", |r| r.step_total),
+    ("lags.failures", |r| r.lags.iter().map(|lag| lag.failures as f64).sum()),
+    ("lags.J", |r| r.lags.iter().map(|lag| lag.total).fold(0.0, f64::max)),
 ];
 
 impl Limit {

@@ -1,6 +1,6 @@
 //! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
-use super::{Limit, Row, Scatter, Scenes, Score, Trial};
+use super::{LagRow, Limit, Row, Scatter, Scenes, Score, Trial};
 use crate::checkpoint::Identity;
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
 use crate::parallel::Stop;
@@ -21,6 +21,7 @@ pub struct Robust<'a> {
     /// The controller.
     pub tunable: &'a Tunable,
     limits: &'a [Limit],
+    lags: Vec<(f64, Trial)>,
     simulated: AtomicU64,
     skipped: AtomicU64,
     diverged: AtomicU64,
@@ -33,6 +34,7 @@ impl<'a> Robust<'a> {
             trial,
             tunable,
             limits: &[],
+            lags: Vec::new(),
             simulated: AtomicU64::new(0),
             skipped: AtomicU64::new(0),
             diverged: AtomicU64::new(0),
@@ -45,21 +47,48 @@ impl<'a> Robust<'a> {
         Self { limits, ..self }
     }
 
-    fn cost(&self, scores: Option<Vec<Score>>, flown: usize) -> f64 {
-        let left = self.trial.plants.len() - flown;
-        self.simulated.fetch_add(self.trial.steps() * flown as u64, Ordering::Relaxed);
-        self.skipped.fetch_add(self.trial.steps() * left as u64, Ordering::Relaxed);
-        let Some(scores) = scores else { return f64::INFINITY };
-        self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
-        super::total(&scores) * (1.0 + self.excess(&scores))
+    /// The same, flying also with rotors whose lags are at these multiples of those believed: the numbers
+    /// `lags.failures` and `lags.J`, which only limits act on.
+    #[must_use]
+    pub fn with_lags(self, multiples: &[f64]) -> Self {
+        let lags = multiples.iter().map(|m| (*m, self.trial.with_lags(*m))).collect();
+        Self { lags, ..self }
     }
 
-    fn excess(&self, scores: &[Score]) -> f64 {
+    fn cost(
+        &self,
+        controller: &ControllerSettings<f64>,
+        bound: f64,
+        scores: Option<Vec<Score>>,
+        flown: usize,
+        stop: Stop<'_>,
+    ) -> Option<f64> {
+        let left = self.trial.plants.len() - flown;
+        self.count(flown, left);
+        let Some(scores) = scores else { return Some(f64::INFINITY) };
+        self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
+        let total = super::total(&scores);
         if self.limits.is_empty() {
-            return 0.0;
+            return Some(total);
         }
-        let row = Row::new("", scores, None, Vec::new());
-        self.limits.iter().map(|limit| limit.excess(&row)).sum()
+        let mut row = Row::new("", &scores, None, Vec::new());
+        let raised =
+            |row: &Row| total * (1.0 + self.limits.iter().map(|limit| limit.excess(row)).sum::<f64>());
+        for (multiple, trial) in &self.lags {
+            // Each can only raise it.
+            if raised(&row) > bound * super::SURELY {
+                self.count(0, trial.plants.len());
+                continue;
+            }
+            row.lags.push(LagRow::new(*multiple, &trial.supervised(controller, stop)?));
+            self.count(trial.plants.len(), 0);
+        }
+        Some(raised(&row))
+    }
+
+    fn count(&self, flown: usize, left: usize) {
+        self.simulated.fetch_add(self.trial.steps() * flown as u64, Ordering::Relaxed);
+        self.skipped.fetch_add(self.trial.steps() * left as u64, Ordering::Relaxed);
     }
 }
 
@@ -72,12 +101,12 @@ impl Problem for Robust<'_> {
         // What no gains file could hold is no candidate.
         let sound: Vec<_> = controllers.iter().copied().filter(|(c, _)| c.validate().is_ok()).collect();
         let mut flown = self.trial.all_below(&sound, stop)?.into_iter();
-        let cost = |(controller, _): &(ControllerSettings<f64>, f64)| {
+        let cost = |(controller, bound): &(ControllerSettings<f64>, f64)| {
             if controller.validate().is_err() {
                 return Some(f64::INFINITY);
             }
             let (scores, flown) = flown.next()?;
-            Some(self.cost(scores, flown))
+            self.cost(controller, *bound, scores, flown, stop)
         };
         controllers.iter().map(cost).collect()
     }

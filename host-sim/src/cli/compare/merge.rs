@@ -30,6 +30,6 @@ pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
     if let (Some(flag), Flown::Scenario(..)) = (args.told.of_scores(), &flown) {
         return Err(no_effect(flag, "with a scenario", "its flights have no scores"));
     }
-    told::show(&head, &flown, &args.told, args.json, "", &mut outputs)?;
+    told::show(&head, &flown, Vec::new(), &args.told, args.json, "", &mut outputs)?;
     outputs.done()
 }

@@ -72,6 +72,16 @@ pub(super) struct Args {
     /// True lag of both rotors, in s, in every plant, whatever the controllers believe
     #[arg(long, value_name = "S", help_heading = "Rig")]
     true_lag: Option<f64>,
+    /// Fly the same plants again with every lag at these multiples of what is believed, such as .2,.5,1,2,3
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with_all = ["true_lag", "scenario", "shard"],
+        help_heading = "Rig"
+    )]
+    true_lags: Vec<f64>,
     /// Rig that every plant is in truth, all of it, whatever the controllers believe; lag and disturbance are
     /// still drawn
     #[arg(long, value_name = "RIG", help_heading = "Rig")]
@@ -103,6 +113,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     within("--plants", args.plants, 2, MOST_PLANTS)?;
     let scatter = args.spreads.scatter()?;
+    let lags = args.true_lags.iter().map(|lag| robust::check_multiple(*lag).map_err(Failure::of_flag));
+    let lags = lags.collect::<Outcome<Vec<_>>>()?;
     let found = args.device.find()?;
     let trial = trial(args, &named, &scatter)?.on(found.device());
     let mut outputs = outputs(args, &named)?;
@@ -135,11 +147,13 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         worst::check(folder, controllers.iter().map(|(name, _)| name), &mut outputs)?;
     }
     let flown = fly(&trial, &controllers, scenario.as_ref(), &found)?;
+    let wrong = |(_, controller): &(_, _)| found.all(trial.lag_rows(controller, &lags, NEVER));
+    let wrong = controllers.iter().map(wrong).collect::<Outcome<Vec<_>>>()?;
     let mut note = found.note(args.plants, device::RIG_FLIGHTS);
     if let (Some(folder), Flown::Steps(scores)) = (&args.worst, &flown) {
         note += &worst::write(folder, &args.common.preset, &trial, &controllers, scores, &mut outputs);
     }
-    told::show(&head, &flown, &args.told, args.common.json, &note, &mut outputs)?;
+    told::show(&head, &flown, wrong, &args.told, args.common.json, &note, &mut outputs)?;
     outputs.done()
 }
 

@@ -15,7 +15,7 @@ use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor_plot::Figure;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::table::{Column, Table};
-use twinrotor_tune::robust::{Row, SceneRow, Scenes, Score};
+use twinrotor_tune::robust::{LagRow, Row, SceneRow, Scenes, Score};
 
 /// Flags of `compare` and of `merge`: where it goes beside the terminal.
 #[derive(Debug, clap::Args)]
@@ -64,10 +64,11 @@ struct Document<'a> {
     controllers: Vec<Row>,
 }
 
-/// Tells what came of it, with a `note` under the table.
+/// Tells what came of it, with a `note` under the table; `lags`: of each controller, where there are any.
 pub(super) fn show(
     head: &Head,
     flown: &Flown,
+    mut lags: Vec<Vec<LagRow>>,
     told: &Told,
     json: bool,
     note: &str,
@@ -83,7 +84,10 @@ pub(super) fn show(
         .iter()
         .zip(scores)
         .enumerate()
-        .map(|(k, ((name, uses), own))| Row::new(name, own, (k > 0).then_some(&*scores[0]), uses.clone()))
+        .map(|(k, ((name, uses), own))| {
+            let row = Row::new(name, own, (k > 0).then_some(&*scores[0]), uses.clone());
+            Row { lags: lags.get_mut(k).map(std::mem::take).unwrap_or_default(), ..row }
+        })
         .collect();
     if let Some(path) = export {
         let names = head.controllers.iter().map(|(name, _)| name.as_str());
@@ -121,7 +125,7 @@ pub(super) fn show(
 fn page(head: &Head, rows: &[Row], figure: Figure, folder: &Path, outputs: &mut Outputs) -> Outcome<()> {
     let grid = Grid {
         name: "controllers".to_owned(),
-        heads: HEADS.to_vec(),
+        heads: HEADS.map(Into::into).into(),
         rows: rows.iter().map(|row| cells(row).to_vec()).collect(),
         note: LEGEND.replace('\n', ". "),
     };
@@ -130,7 +134,7 @@ fn page(head: &Head, rows: &[Row], figure: Figure, folder: &Path, outputs: &mut 
     let picture = Picture { name: "costs".to_owned(), caption: caption.to_owned(), figure };
     let uses = Grid {
         name: "uses".to_owned(),
-        heads: vec!["controller", "beside its law"],
+        heads: ["controller", "beside its law"].map(Into::into).into(),
         rows: rows.iter().map(|row| vec![row.name.clone(), row.uses.join(", ")]).collect(),
         note: String::new(),
     };
@@ -138,6 +142,7 @@ fn page(head: &Head, rows: &[Row], figure: Figure, folder: &Path, outputs: &mut 
     let sections = [
         Section { measured: Some(grid), pictures: vec![picture], ..section("Controllers") },
         Section { measured: scenes(rows), ..section("Scenes beside the step") },
+        Section { measured: wrong_lags(rows), ..section("Lags that are not those believed") },
         Section { measured: Some(uses), ..section("What stands around each law") },
     ];
     let flown = sections.iter().filter(|section| section.measured.is_some()).cloned().collect::<Vec<_>>();
@@ -245,11 +250,14 @@ fn report(head: &Head, rows: &[Row]) -> String {
     for r in rows {
         tables::add(&mut table, cells(r));
     }
-    let beside = scenes(rows).map_or_else(String::new, |Grid { heads, rows, note, .. }| {
-        let mut table = tables::table(&heads);
-        rows.into_iter().for_each(|row| tables::add(&mut table, row));
-        format!("scenes: {note}\n{table}\n")
-    });
+    let told = |what: &str, grid: Option<Grid>| {
+        grid.map_or_else(String::new, |Grid { heads, rows, note, .. }| {
+            let mut table = tables::table(&heads.iter().map(|head| &**head).collect::<Vec<_>>());
+            rows.into_iter().for_each(|row| tables::add(&mut table, row));
+            format!("{what}: {note}\n{table}\n")
+        })
+    };
+    let beside = told("scenes", scenes(rows)) + &told("true lags", wrong_lags(rows));
     let uses: Vec<String> = rows.iter().map(|r| tables::listed(&format!("  {}:", r.name), &r.uses)).collect();
     format!(
         "{}: {} plants that nothing was tuned on, rig fidelity, seed {}\n{table}\n{LEGEND}{beside}\
@@ -277,11 +285,27 @@ fn scenes(rows: &[Row]) -> Option<Grid> {
     };
     Some(Grid {
         name: "scenes".to_owned(),
-        heads: ["controller", "J of the step alone"].into_iter().chain(names).collect(),
+        heads: ["controller", "J of the step alone"].into_iter().chain(names).map(Into::into).collect(),
         rows: rows.iter().map(row).collect(),
         note:
             "what each adds to c, mean; RMS error p/y in parts of the goal, median; (flights that left the \
                envelope)"
                 .to_owned(),
+    })
+}
+
+/// What came of lags that are wrong, if any was flown.
+fn wrong_lags(rows: &[Row]) -> Option<Grid> {
+    let multiples: Vec<String> = rows.first()?.lags.iter().map(|lag| format!("x{}", lag.multiple)).collect();
+    if multiples.is_empty() {
+        return None;
+    }
+    let cell = |lag: &LagRow| format!("{:.2} ({})", lag.total, lag.failures);
+    let row = |row: &Row| std::iter::once(row.name.clone()).chain(row.lags.iter().map(cell)).collect();
+    Some(Grid {
+        name: "lags".to_owned(),
+        heads: std::iter::once("controller".into()).chain(multiples.into_iter().map(Into::into)).collect(),
+        rows: rows.iter().map(row).collect(),
+        note: "both rotors at that many times the lag believed; J, and how many failed".to_owned(),
     })
 }

@@ -153,3 +153,43 @@ fn holding(rig: &Rig, settings: &Settings<f64>) -> Option<Swing> {
     }
     Some(Swing { counts, takes })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twinrotor::defaults;
+    use twinrotor::plant::presets;
+
+    /// What boards boot with, on each preset's encoders and on coarser ones: what the warning says is so.
+    /// Prints the table of docs/tuning.md.
+    #[test]
+    #[expect(clippy::print_stdout, reason = "a table for whoever asks for it")]
+    fn what_is_said_of_coarse_encoders_is_so_on_every_preset() {
+        println!("| preset | all | half | a quarter | takes |\n|---|---|---|---|---|");
+        for (name, rig) in presets::ALL {
+            let controller = defaults::named(name).expect("one for every preset");
+            let settings = |rig: &Rig| Settings::new(rig, controller, SAMPLE_TIME);
+            let swings = [1, 2, 4].map(|part| {
+                let coarse = Rig { encoder_counts: rig.encoder_counts.map(|counts| counts / part), ..rig };
+                holding(&coarse, &settings(&coarse)).expect("it holds")
+            });
+            let most = |counts: &PerAxis<f64>| counts.pitch.max(counts.yaw);
+            assert!(most(&swings[0].counts) <= MOST_COUNTS, "{name}: {:?}", swings[0]);
+            for swing in &swings {
+                assert_eq!(swing.takes.is_some(), most(&swing.counts) > MOST_COUNTS, "{name}: {swing:?}");
+                let Some(takes) = swing.takes else { continue };
+                // Encoders as it says, and no coarser ones by half, end it.
+                let with = |counts: PerAxis<f64>| {
+                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
+                    let rig = Rig { encoder_counts: counts.map(|counts| counts as u32), ..rig };
+                    most(&holding(&rig, &settings(&rig)).expect("it holds").counts)
+                };
+                assert!(with(takes) <= MOST_COUNTS && with(takes.scaled(0.5)) > MOST_COUNTS, "{name}");
+            }
+            let told = |s: &Swing| format!("{:.1}/{:.1}", s.counts.pitch, s.counts.yaw);
+            let takes = swings[2].takes.map(|counts| format!("{:.0}/{:.0}", counts.pitch, counts.yaw));
+            let [all, half, quarter] = swings.each_ref().map(told);
+            println!("| `{name}` | {all} | {half} | {quarter} | {} |", takes.unwrap_or_default());
+        }
+    }
+}

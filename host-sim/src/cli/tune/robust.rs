@@ -47,6 +47,10 @@ pub(super) struct Args {
     plants: Option<usize>,
     #[command(flatten)]
     spreads: Spreads,
+    /// Also fly every plant with rotor lags at these multiples of those believed, such as .2,3, for the
+    /// limits 'lags.failures' and 'lags.J' (the worst of them)
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true)]
+    true_lags: Vec<f64>,
     /// Searches one after the other, each around the best so far and within less [default: 4]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
@@ -69,6 +73,14 @@ impl Args {
         }
     }
 
+    fn lags(&self) -> Outcome<Vec<f64>> {
+        self.true_lags.iter().map(|lag| robust::check_multiple(*lag).map_err(Failure::of_flag)).collect()
+    }
+
+    fn told_lags(&self) -> String {
+        self.true_lags.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+    }
+
     /// The files that are read, by flag.
     pub(super) fn inputs(&self) -> [(&str, &str); 1] {
         [("--start", self.start.as_deref().unwrap_or_default())]
@@ -86,6 +98,7 @@ impl Args {
             ("--plants", self.plants.is_some()),
             ("--spread", self.spreads.spread.is_some()),
             ("--lag-spread", self.spreads.lag_spread.is_some()),
+            ("--true-lags", !self.true_lags.is_empty()),
             ("--rounds", self.rounds.is_some()),
             ("--range", self.range.is_some()),
         ];
@@ -138,6 +151,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let at_most = args.limits();
     let limits = at_most.iter().map(limit).collect::<Outcome<Vec<_>>>()?;
     let scenes: robust::Scenes = args.scenes.unwrap_or(choices::Scenes::All).into();
+    let lags = args.lags()?;
     let seed = request.seed;
     let scatter = args.spreads.scatter()?;
     let allowance = robust::allowance(&named.name, &named.rig);
@@ -149,6 +163,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         .with("objective", "robust")
         .with("plants", plants)
         .with("spread", format_args!("{}, {}", scatter.constants, scatter.lag))
+        .with("true-lags", format_args!("{lags:?}"))
         .with("rounds", rounds)
         .with("range", range)
         .with("at-most", at_most.join(","))
@@ -157,7 +172,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         .with_toml(&GainsFile { controller: start, provenance: None }.to_toml());
     let mut search = request.begin(identity, plan.start(tunable.names().len()))?;
     let listening = stop::listen(stop::Second::Ends);
-    let end = request.drive(&Robust::new(&trial, &tunable).within(&limits), &mut search);
+    let end = request.drive(&Robust::new(&trial, &tunable).within(&limits).with_lags(&lags), &mut search);
     let Some(best) = search.best() else { return Err(request.nothing(end)) };
     let found = tunable.controller(&best.position);
 
@@ -165,6 +180,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     file.provenance = Some(Provenance {
         preset: named.name.clone(),
         objective: std::iter::once(robust::objective(plants, scenes, &scatter))
+            .chain((!lags.is_empty()).then(|| format!("true lags {}", args.told_lags())))
             .chain(at_most.iter().cloned())
             .collect::<Vec<_>>()
             .join(", "),
