@@ -13,6 +13,7 @@ use rigless::time::VirtualNanos;
 use super::lockstep::{Lockstep, TickRecord};
 use super::{MILLISECOND, Rig};
 use crate::board::{Board, Outputs};
+use crate::chip::flash::Flash;
 use crate::serial::Line;
 use crate::warm_core::NMI;
 
@@ -34,6 +35,11 @@ impl Live<'_> {
     pub fn board(&mut self) -> &mut Board {
         self.lockstep.tampered = true;
         self.session.board_mut()
+    }
+
+    /// The flash: what was done to it, and cuts of its supply to come.
+    pub fn flash(&mut self) -> &mut Flash {
+        self.session.board_mut().chip().flash()
     }
 
     /// The host's end of the serial line.
@@ -122,7 +128,6 @@ impl Live<'_> {
     ///
     /// If there is no such register.
     pub fn poke(&mut self, address: u64, value: u32) {
-        self.lockstep.tampered = true;
         let at = self.stop.at;
         let written = self.session.mcu().write(at, address, Width::W32, u64::from(value));
         written.unwrap_or_else(|why| panic!("{why}"));
@@ -185,7 +190,7 @@ impl Live<'_> {
     /// The supply goes, and comes back a moment later.
     pub fn cut_power(&mut self) {
         let at = self.stop.at;
-        self.board().chip().drive_flash(at, crate::chip::flash::Flash::cut);
+        self.session.board_mut().chip().drive_flash(at, Flash::cut);
     }
 
     /// Puts `bytes` into the flash from `address` on, behind the firmware's back.

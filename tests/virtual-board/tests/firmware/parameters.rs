@@ -77,12 +77,12 @@ fn parameters_out_of_range_are_refused_by_name() {
 #[test]
 fn parameters_are_not_written_while_the_motors_turn() {
     let mut station = flying();
-    let written = station.machine.with(|board| board.board().chip().flash().log.len());
+    let written = station.machine.with(|board| board.flash().log.len());
     station.send(&ToBoard::WriteParameters(Nonce::default(), variant(9)));
     station.run(500);
     assert_eq!(station.heard.refusals, [Refusal::MotorsMayTurn]);
     assert_eq!(station.heard.state(), Some(ArmState::Armed));
-    assert_eq!(station.machine.with(|board| board.board().chip().flash().log.len()), written);
+    assert_eq!(station.machine.with(|board| board.flash().log.len()), written);
 }
 
 /// The core stands still while a sector is erased, and the tasks' clock loses that time: nothing that is told
@@ -94,7 +94,7 @@ fn health_and_led_go_on_after_a_sector_was_erased() {
     let mut station = start(Setup::new(firmware()).with_image(ADDRESS, image(&full)), &presets::PAPER);
     station.run(1_000);
     save(&mut station, &variant(99));
-    let log = station.machine.with(|board| board.board().chip().flash().log.clone());
+    let log = station.machine.with(|board| board.flash().log.clone());
     assert!(log.iter().any(|(_, operation)| matches!(operation, Operation::Erase { .. })));
     let (told, shown) = (station.heard.health.len(), station.machine.trace().0.len());
     station.run(5_000);
@@ -118,7 +118,7 @@ fn saves_in_a_row_hold_wear_every_page_alike_and_program_no_word_twice() {
     }
     assert_eq!(read(&mut station), variant(saves));
     assert_eq!(station.machine.resets(), [], "an erase is no missed tick");
-    let log = station.machine.with(|board| board.board().chip().flash().log.clone());
+    let log = station.machine.with(|board| board.flash().log.clone());
     let mut programmed = std::collections::HashSet::new();
     let mut erases = std::collections::HashMap::new();
     for (_, operation) in log {
