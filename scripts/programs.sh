@@ -1,6 +1,6 @@
-# Sourced from the top folder: what scripts/test.sh and what comes after it in CI share. One choice of packages
-# and features, since another one makes Cargo compile half of them again; `build_programs` builds those that
-# people start into $programs, where the tests have left them: the loop is optimised even there.
+# Sourced from the top folder: what scripts/test.sh and what comes after it in CI share. One choice of
+# packages and features, since another one makes Cargo compile half of them again; `build_programs` builds
+# those that people start into $programs, where the tests have left them: the loop is optimised even there.
 tested=(--workspace --exclude firmware --features host-sim/formats,host-sim/monitor)
 programs=${CARGO_TARGET_DIR:-$PWD/target}/debug
 # The examples are not needed by all; with them Cargo chooses as for the tests.

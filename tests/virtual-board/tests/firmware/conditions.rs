@@ -34,9 +34,9 @@ pub(super) fn ticks_to_off(station: &mut Station, fault: u32) -> usize {
     until_then.saturating_sub(fault as usize)
 }
 
-/// Brings a hazard about while flying, with the paper's law and while another controller than the built-in one
-/// is tried, and checks all that must follow. `within` is its rule's time \[ticks\]. The built-in controller
-/// alone meets what can befall a rig in `simulated.rs`.
+/// Brings a hazard about while flying, with the paper's law and while another controller than the built-in
+/// one is tried, and checks all that must follow. `within` is its rule's time \[ticks\]. The built-in
+/// controller alone meets what can befall a rig in `simulated.rs`.
 #[track_caller]
 fn expect(cause: Condition, within: u32, hazard: impl Fn(&mut Station)) {
     expect_one(&[cause], within, hazard);
