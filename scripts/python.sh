@@ -3,13 +3,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/../bindings/python"
 
-# A folder of its own, also without the repository's settings, which pip does not build in.
-export CARGO_TARGET_DIR=$PWD/target
 cargo fmt --check
-cargo clippy --release --all-targets -- -D warnings
+# Lints share a folder with pip's build, which does not know the repository's settings.
+own="$PWD/target"
+CARGO_TARGET_DIR=$own cargo clippy --release --all-targets -- -D warnings
 folder=../../target/python
 [ -x "$folder/venv/bin/python" ] || python3 -m venv "$folder/venv"
-"$folder/venv/bin/pip" install -q --disable-pip-version-check ".[test]"
+CARGO_TARGET_DIR=$own "$folder/venv/bin/pip" install -q --disable-pip-version-check ".[test]"
 "$folder/venv/bin/python" -c 'import twinrotor'
 "$folder/venv/bin/ruff" format --check --quiet .
 "$folder/venv/bin/ruff" check --quiet .
