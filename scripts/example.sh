@@ -1,12 +1,13 @@
 # Sourced from the top folder: builds the programs and goes to an empty folder, in which `example FILE.md`
 # runs every line of the shell blocks of a document. `cargo run --release -p host-sim [--] ...` and
-# `cargo board ...` in them are what was built for the tests.
+# `cargo board ...` in them are what was built. Without --release the searches would take several times as
+# long, which is more than the build does.
 . scripts/programs.sh
-build_programs
+cargo build --release -p host-sim
 cargo build --quiet "${board[@]}"
 root=$PWD
 virtual_board=$programs/virtual-board
-host_sim=$programs/host-sim
+host_sim=${CARGO_TARGET_DIR:-$root/target}/release/host-sim
 export TWINROTOR_ELF=${TWINROTOR_ELF:-$root/target/thumbv7em-none-eabihf/firmware/firmware}
 
 folder=$(mktemp -d)
