@@ -1,10 +1,12 @@
 # Sourced from the top folder: builds the programs and goes to an empty folder, in which `example FILE.md`
 # runs every line of the shell blocks of a document. `cargo run --release -p host-sim [--] ...` and
-# `cargo board ...` in them are what was built.
+# `cargo board ...` in them are what was built. Without --release the searches would take several times as
+# long, which is more than the build does.
+. scripts/programs.sh
 cargo build --release -p host-sim
-cargo build --release --ignore-rust-version --manifest-path tests/virtual-board/Cargo.toml
+cargo build --quiet "${board[@]}"
 root=$PWD
-virtual_board=${CARGO_TARGET_DIR:-$root/tests/virtual-board/target}/release/virtual-board
+virtual_board=$programs/virtual-board
 host_sim=${CARGO_TARGET_DIR:-$root/target}/release/host-sim
 export TWINROTOR_ELF=${TWINROTOR_ELF:-$root/target/thumbv7em-none-eabihf/firmware/firmware}
 

@@ -4,11 +4,13 @@ set -euo pipefail
 cd "$(dirname "$0")/../bindings/python"
 
 cargo fmt --check
-cargo clippy --release --all-targets -- -D warnings
+# Lints share a folder with pip's build, which does not know the repository's settings.
+own="$PWD/target"
+CARGO_TARGET_DIR=$own cargo clippy --release --all-targets -- -D warnings
 folder=../../target/python
 python=$folder/venv/bin/python
 [ -x "$python" ] || python3 -m venv "$folder/venv"
-CARGO_TARGET_DIR="$PWD/target" "$python" -m pip install -q --disable-pip-version-check ".[test]"
+CARGO_TARGET_DIR=$own "$python" -m pip install -q --disable-pip-version-check ".[test]"
 "$python" -c 'import twinrotor'
 "$python" -m ruff format --check --quiet .
 "$python" -m ruff check --quiet .

@@ -4,12 +4,13 @@
 # named, written, checked, flown over all scenarios, and its report.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build --release -p host-sim
-cargo build --release --ignore-rust-version --manifest-path tests/virtual-board/Cargo.toml
-virtual_board=${CARGO_TARGET_DIR:-$PWD/tests/virtual-board/target}/release/virtual-board
-host_sim=${CARGO_TARGET_DIR:-$PWD/target}/release/host-sim
-board=${1:-nucleo-f446}
-elf=$PWD/target/$board-sim/thumbv7em-none-eabihf/firmware/firmware
+. scripts/programs.sh
+build_programs
+cargo build --quiet "${board[@]}"
+virtual_board=$programs/virtual-board
+host_sim=$programs/host-sim
+name=${1:-nucleo-f446}
+elf=$PWD/target/$name-sim/thumbv7em-none-eabihf/firmware/firmware
 
 folder=$(mktemp -d)
 # The board in the background ends with this script.
@@ -22,7 +23,7 @@ for _ in $(seq 300); do
 done
 [ -n "$address" ] || { echo "no board listens" >&2; exit 1; }
 
-"$host_sim" fly --port "$address" --board "$board" --yes --write --report "$folder/report.json"
+"$host_sim" fly --port "$address" --board "$name" --yes --write --report "$folder/report.json"
 grep -q '"port": "simulated"' "$folder/report.json"
 grep -q '"differs": null' "$folder/report.json"
 grep -Eq '"serial": "[0-9A-F]{24}"' "$folder/report.json"
@@ -31,7 +32,7 @@ equal=$(sed -n 's/.*"equal_ticks": \([0-9]*\).*/\1/p' "$folder/report.json")
 
 # What befalls the rig ends the flight, with status 3.
 status=0
-"$host_sim" fly --port "$address" --board "$board" --yes --inject stuck-pitch@1 >"$folder/injected" 2>&1 ||
+"$host_sim" fly --port "$address" --board "$name" --yes --inject stuck-pitch@1 >"$folder/injected" 2>&1 ||
   status=$?
 cat "$folder/injected"
 [ "$status" = 3 ] && grep -q "the pitch encoder does not show the motion" "$folder/injected"

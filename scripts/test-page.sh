@@ -7,14 +7,14 @@ cd "$(dirname "$0")/.."
 folder=target/page
 
 scripts/build-page.sh
-# With the features that the exports are read back with: built once for both.
-cargo build -q -p host-sim --features formats,monitor
-host_sim=target/debug/host-sim
+. scripts/programs.sh
+build_programs
+host_sim=$programs/host-sim
 $host_sim page --out $folder/heli.html
 size=$(wc -c <$folder/heli.html)
 [ "$size" -le 600000 ] || { echo "the page has $size bytes; 600,000 are allowed"; exit 1; }
 
-cargo run -q -p twinrotor-web --example fingerprints 1000000 >$folder/fingerprints.txt
+$programs/examples/fingerprints 1000000 >$folder/fingerprints.txt
 $host_sim fly --scenario step --record $folder/flown.csv >/dev/null
 $host_sim simulate --csv $folder/simulated.csv >/dev/null
 $host_sim tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null

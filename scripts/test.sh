@@ -4,9 +4,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/stage.sh
+. scripts/programs.sh
 
-features=host-sim/formats,host-sim/monitor
-stage "tests on the host" cargo test --workspace --exclude firmware --features "$features"
+stage "tests on the host" cargo test "${tested[@]}"
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"

@@ -59,6 +59,11 @@ fn built(folder: &str) -> PathBuf {
 const RAM: u64 = 0x2000_0000;
 
 impl Firmware {
+    /// Whether both are of the same file.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        self.bytes == other.bytes
+    }
+
     /// Reads the ELF at `path`.
     ///
     /// # Errors

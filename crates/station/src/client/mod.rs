@@ -278,7 +278,8 @@ impl Client {
                 pending.saved = true;
                 (pending.again, pending.deadline) = (now + ASK_AGAIN, now + PATIENCE);
             }
-            (Question::Write(wanted), ToHost::Parameters(kept)) => {
+            // Before it is saved, a late answer to an earlier question.
+            (Question::Write(wanted), ToHost::Parameters(kept)) if pending.saved => {
                 // What was checked at another kind of port is not checked there.
                 return Some(if wanted.at_port(kept.port) == *kept {
                     Ok(Answer::Parameters(Box::new(*kept)))

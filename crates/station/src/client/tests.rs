@@ -148,6 +148,17 @@ fn a_board_that_forgets_refuses_or_speaks_another_version_is_told() {
     assert!(error.to_string().contains("version 99") && !error.is_input(), "{error}");
 }
 
+/// What was asked twice may be answered once more when something else has been asked.
+#[test]
+fn a_late_answer_to_a_reading_is_not_taken_for_what_was_written() {
+    let mut wire = Wire::default();
+    wire.say(&ToHost::Parameters(parameters()));
+    let mut other = parameters();
+    other.limits.command_timeout = 250;
+    write(&mut wire, other).unwrap();
+    assert_eq!(wire.board.parameters(), &other);
+}
+
 /// Of all that a board says, each message in turn is lost.
 #[test]
 fn what_is_lost_on_the_line_is_asked_for_again() {

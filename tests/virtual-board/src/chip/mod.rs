@@ -45,6 +45,9 @@ use supply::Pwr;
 use syscfg::Syscfg;
 use timer::{Side, Timer};
 
+/// How long a supply that comes on for the first time takes \[ns\].
+const FIRST_OUTAGE_NS: u64 = 1_000;
+
 /// The microcontroller.
 #[derive(Debug)]
 pub struct Stm32f405 {
@@ -94,10 +97,20 @@ impl Stm32f405 {
     /// The part as it is before its supply comes on for the first time, a moment after the run begins.
     pub fn start_unpowered(&mut self) {
         self.powered = false;
-        self.flash.outage = Some(1000);
+        self.flash.outage = Some(FIRST_OUTAGE_NS);
         self.drive_flash(VirtualNanos(0), |flash, context| {
             context.request_power(false);
             flash.await_supply(context);
+        });
+    }
+
+    /// The supply goes, and comes on as at first, with `bytes` in the flash from `address` on.
+    pub fn switch_off_and_on(&mut self, at: VirtualNanos, address: u64, bytes: &[u8]) {
+        self.drive_flash(at, |flash, context| {
+            flash.cut(context);
+            flash.replace(address, bytes, context);
+            flash.forget();
+            flash.outage = Some(FIRST_OUTAGE_NS);
         });
     }
 

@@ -13,6 +13,8 @@ use rigless::time::VirtualNanos;
 use super::lockstep::{Lockstep, TickRecord};
 use super::{MILLISECOND, Rig};
 use crate::board::{Board, Outputs};
+use crate::chip::flash::Flash;
+use crate::serial::Line;
 use crate::warm_core::NMI;
 
 /// The board while it stands.
@@ -29,15 +31,31 @@ impl Live<'_> {
         (self.stop.at, self.stop.instruction_count)
     }
 
-    /// The board.
+    /// The board, to do anything with.
     pub fn board(&mut self) -> &mut Board {
+        self.lockstep.tampered = true;
         self.session.board_mut()
+    }
+
+    /// The flash: what was done to it, and cuts of its supply to come.
+    pub fn flash(&mut self) -> &mut Flash {
+        self.session.board_mut().chip().flash()
+    }
+
+    /// The host's end of the serial line.
+    pub fn line(&mut self) -> &mut Line {
+        self.session.board_mut().line()
+    }
+
+    /// Whether something was done that outlasts a power-on, or may.
+    pub(super) fn tampered(&self) -> bool {
+        self.lockstep.tampered
     }
 
     /// The outputs now.
     pub fn outputs(&mut self) -> Outputs {
         let at = self.stop.at;
-        self.board().outputs(at)
+        self.session.board_mut().outputs(at)
     }
 
     /// The rig, as the type it was connected as.
@@ -63,6 +81,7 @@ impl Live<'_> {
     /// Follows the ticks from now on, instruction by instruction, through `instructions`; or no more, with
     /// none. It is a hundred times slower.
     pub fn follow(&mut self, instructions: BTreeSet<u64>) {
+        self.lockstep.tampered = true;
         for &address in self.lockstep.followed.difference(&instructions) {
             self.session.unwatch(Watch::Instruction(address));
         }
@@ -79,7 +98,7 @@ impl Live<'_> {
 
     /// Every reset since the start.
     pub fn resets(&self) -> &[Reset] {
-        self.session.resets()
+        &self.session.resets()[self.lockstep.resets_before..]
     }
 
     /// The word at an address of the RAM or flash.
@@ -116,6 +135,7 @@ impl Live<'_> {
 
     /// The core's next access to the instance's registers from `address` on fails with a bus error.
     pub fn fail_next(&mut self, address: u64) {
+        self.lockstep.tampered = true;
         self.session.fail_next(address, address + 0x400);
     }
 
@@ -138,6 +158,7 @@ impl Live<'_> {
     /// At the `nth` arrival at `address` from now the core waits until the next tick is due: one phase of
     /// thread and tick, chosen.
     pub fn wait_there_for_a_tick(&mut self, address: u64, nth: u32) {
+        self.lockstep.tampered = true;
         self.session.watch(Watch::Instruction(address));
         self.lockstep.waiting_place = Some((address, nth));
     }
@@ -169,7 +190,7 @@ impl Live<'_> {
     /// The supply goes, and comes back a moment later.
     pub fn cut_power(&mut self) {
         let at = self.stop.at;
-        self.board().chip().drive_flash(at, crate::chip::flash::Flash::cut);
+        self.session.board_mut().chip().drive_flash(at, Flash::cut);
     }
 
     /// Puts `bytes` into the flash from `address` on, behind the firmware's back.

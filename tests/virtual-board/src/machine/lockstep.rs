@@ -11,6 +11,8 @@ use rigless::time::VirtualNanos;
 use super::live::Live;
 use super::{Failure, MILLISECOND, Rig, Setup, gaps};
 use crate::board::{Board, Inputs, Outputs};
+use crate::record::ADDRESS;
+use crate::serial::Line;
 
 /// Says at each millisecond's end whether what was waited for has come.
 pub(super) type Until = Box<dyn FnMut(&mut Live<'_>) -> bool + Send>;
@@ -19,6 +21,8 @@ pub(super) type Until = Box<dyn FnMut(&mut Live<'_>) -> bool + Send>;
 pub(super) enum Command {
     Run(u64, Option<Until>),
     With(Box<dyn FnOnce(&mut Live<'_>) + Send>),
+    /// The board is switched off and on, with this in its parameter sectors and another rig.
+    Again(Vec<u8>, Box<dyn Rig>),
 }
 
 /// One control tick, from the entry of its interrupt to its return.
@@ -58,6 +62,10 @@ pub(super) struct Lockstep {
     /// The nth arrival at this instruction waits there until the next tick is due.
     pub(super) waiting_place: Option<(u64, u32)>,
     pub(super) waited: Vec<VirtualNanos>,
+    /// Resets before this run of the board.
+    pub(super) resets_before: usize,
+    /// Something was done to the board that outlasts a power-on.
+    pub(super) tampered: bool,
 }
 
 impl Lockstep {
@@ -99,7 +107,28 @@ impl Lockstep {
             halted: false,
             waiting_place: None,
             waited: Vec::new(),
+            resets_before: 0,
+            tampered: false,
         })
+    }
+
+    /// The board is switched off, and comes on as it did at first.
+    fn begin_again(&mut self, session: &mut Session<Board>, stop: &Stop, sectors: &[u8], rig: Box<dyn Rig>) {
+        let board = session.board_mut();
+        board.apply(stop.at, Inputs::default());
+        *board.line() = Line::default();
+        board.chip().switch_off_and_on(stop.at, ADDRESS, sectors);
+        self.rig = rig;
+        // To come back is a reset, too, of which this run knows nothing.
+        self.resets_before = session.resets().len() + 1;
+        self.until = VirtualNanos(stop.at.0 + MILLISECOND);
+        self.started = false;
+        self.under_way = None;
+        self.stalled_until = VirtualNanos(0);
+        self.ticks.clear();
+        self.path.clear();
+        self.trace.clear();
+        self.waited.clear();
     }
 
     fn note(&mut self, hit: Hit) {
@@ -164,6 +193,10 @@ impl Lockstep {
                 Ok(Command::With(act)) => {
                     act(&mut Live { session, host, stop, lockstep: self });
                     let _ = self.replies.send(Ok(true));
+                }
+                Ok(Command::Again(sectors, rig)) => {
+                    self.begin_again(session, stop, &sectors, rig);
+                    return true;
                 }
                 Err(_) => return false,
             }

@@ -8,29 +8,28 @@
 //! Whatever the firmware reaches that the board does not model ends the run with a [`Failure`] that says
 //! what, and from where in the firmware.
 
+mod emulator;
 mod gaps;
+mod idle;
 mod live;
 mod lockstep;
 mod rig;
 
 use std::fmt;
-use std::path::Path;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::sync_channel;
 
-use rigless::emulator::{self, Start};
-use rigless::image::Image;
-use rigless::session::{Reset, Session};
+use rigless::session::Reset;
 use rigless::time::VirtualNanos;
 
-use crate::board::{Board, Outputs};
-use crate::chip::{Settings, flash};
+use crate::board::Outputs;
+use crate::chip::Settings;
 use crate::firmware::Firmware;
 use crate::serial::Flaw;
 use crate::wiring::Amplifiers;
+use emulator::Emulator;
 pub use live::Live;
 pub use lockstep::TickRecord;
-use lockstep::{Command, Lockstep, Until};
+use lockstep::{Command, Until};
 pub use rig::{AtRest, Rig};
 
 /// One millisecond of virtual time.
@@ -120,9 +119,10 @@ impl Setup {
 /// A board that runs.
 #[derive(Debug)]
 pub struct Machine {
-    commands: Option<SyncSender<Command>>,
-    replies: Receiver<Result<bool, Failure>>,
-    thread: Option<JoinHandle<()>>,
+    /// There until it is dropped.
+    emulator: Option<Emulator>,
+    /// Of one that another run may go on with.
+    shared: Option<Setup>,
 }
 
 impl Machine {
@@ -132,25 +132,33 @@ impl Machine {
     ///
     /// If the firmware cannot be loaded.
     pub fn start(setup: Setup, rig: impl Rig) -> Self {
-        let (commands, taken) = sync_channel(0);
-        let (reply, replies) = sync_channel(1);
-        let rig = Box::new(rig);
-        let thread = std::thread::spawn(move || {
-            if let Err(failure) = emulate(setup, rig, taken, reply.clone()) {
-                // Nobody may be left to hear it.
-                let _ = reply.send(Err(failure));
+        Self { emulator: Some(Emulator::start(setup, Box::new(rig))), shared: None }
+    }
+
+    /// As [`Machine::start`], but for the virtual time, which does not begin at zero: a board of the same
+    /// `setup` that another run of this process is done with is switched off and on again, with a new rig and
+    /// new contents of its parameter sectors. All else is as a power-on leaves it, and what the emulator has
+    /// translated of the firmware stays, which takes longer than most runs.
+    ///
+    /// # Panics
+    ///
+    /// If the firmware cannot be loaded.
+    pub fn switch_on(setup: Setup, rig: impl Rig) -> Self {
+        let Some(sectors) = idle::parameter_sectors(&setup) else {
+            return Self::start(setup, rig);
+        };
+        let emulator = match idle::take(&setup) {
+            Some(mut emulator) => {
+                emulator.again(sectors, Box::new(rig));
+                emulator
             }
-        });
-        Self { commands: Some(commands), replies, thread: Some(thread) }
+            None => Emulator::start(setup.clone(), Box::new(rig)),
+        };
+        Self { emulator: Some(emulator), shared: Some(setup) }
     }
 
     fn command(&mut self, command: Command) -> Result<bool, Failure> {
-        let sent = self.commands.as_ref().is_some_and(|to| to.send(command).is_ok());
-        match self.replies.recv() {
-            Ok(reply) => reply,
-            Err(_) if sent => Err(Failure("the emulator's thread died".into())),
-            Err(_) => Err(Failure("the run had already ended".into())),
-        }
+        self.emulator.as_mut().expect("there until it is dropped").command(command)
     }
 
     /// Runs for `milliseconds`.
@@ -222,17 +230,17 @@ impl Machine {
     /// Puts bytes on the serial line to the board.
     pub fn say(&mut self, bytes: &[u8]) {
         let bytes = bytes.to_vec();
-        self.with(move |live| live.board().line().say(&bytes));
+        self.with(move |live| live.line().say(&bytes));
     }
 
     /// Puts one byte on the serial line to the board that arrives with `flaw`.
     pub fn say_flawed(&mut self, byte: u8, flaw: Flaw) {
-        self.with(move |live| live.board().line().say_flawed(byte, flaw));
+        self.with(move |live| live.line().say_flawed(byte, flaw));
     }
 
     /// The bytes the board sent since the last call.
     pub fn heard(&mut self) -> Vec<u8> {
-        self.with(|live| live.board().line().take_heard())
+        self.with(|live| live.line().take_heard())
     }
 
     /// The board's outputs now.
@@ -258,39 +266,8 @@ impl Machine {
 
 impl Drop for Machine {
     fn drop(&mut self) {
-        self.commands = None;
-        if let Some(thread) = self.thread.take() {
-            // It failed where a test already heard of it, or panicked where nobody can be told.
-            let _ = thread.join();
+        if let (Some(setup), Some(emulator)) = (self.shared.take(), self.emulator.take()) {
+            idle::give_back(setup, emulator);
         }
     }
-}
-
-fn emulate(
-    setup: Setup,
-    rig: Box<dyn Rig>,
-    commands: Receiver<Command>,
-    replies: SyncSender<Result<bool, Failure>>,
-) -> Result<(), Failure> {
-    let fail = |why: &dyn fmt::Display| Failure(why.to_string());
-    let mut board = Board::new(setup.seed, setup.settings, setup.amplifiers, setup.protects_memory)
-        .map_err(|why| fail(&why))?;
-    let mut images = vec![setup.firmware.image().clone()];
-    for (address, bytes) in &setup.images {
-        let name = format!("image at {address:#x}");
-        let image = Image::new(Path::new(&name), bytes.clone(), Some(*address));
-        images.push(image.map_err(|why| fail(&why))?);
-    }
-    for (address, bytes) in images.iter().flat_map(Image::segments) {
-        let end = flash::BASE + flash::SIZE as u64;
-        if (flash::BASE..end).contains(&address) {
-            board.chip().flash().place(address, bytes);
-        }
-    }
-    board.chip().start_unpowered();
-    let first = VirtualNanos(MILLISECOND);
-    let mut session = Session::new(Box::new(board), 0, first).map_err(|why| fail(&why))?;
-    let lockstep = Lockstep::new(setup, rig, commands, replies, first, &mut session)?;
-    emulator::run(session, &Start::new(&images), lockstep).map_err(|why| fail(&why))?;
-    Ok(())
 }

@@ -6,12 +6,12 @@ use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::supervisor::{ArmState, Condition, Request};
 use virtual_board::helicopter::Helicopter;
-use virtual_board::machine::{SERIAL, Setup};
+use virtual_board::machine::{Machine, SERIAL, Setup};
 use virtual_board::record;
 use virtual_board::station::Station;
 
 use super::parameters::read;
-use super::{board_with, firmware, make_ready, paper_parameters, rest, start};
+use super::{board_with, connected, firmware, make_ready, paper_parameters, rest, start};
 
 #[test]
 fn an_empty_board_says_who_it_is_and_what_it_lacks_and_will_not_arm() {
@@ -104,7 +104,8 @@ fn two_runs_are_the_same_to_the_instruction_and_another_seed_changes_no_output()
         let rig = presets::PAPER;
         let setup = Setup { protects_memory, ..Setup::new(firmware()).with_seed(seed) };
         let image = super::image(&[paper_parameters(&rig)]);
-        let mut station = start(setup.with_image(super::ADDRESS, image), &rig);
+        let setup = setup.with_image(super::ADDRESS, image);
+        let mut station = Station::new(Machine::start(setup, connected(&rig)));
         make_ready(&mut station);
         station.request(Request::Arm);
         station.run(300);

@@ -24,8 +24,8 @@ use virtual_board::wiring::Amplifiers;
 
 use super::{firmware, make_ready, paper_parameters, rest, start};
 
-/// Ticks in the air.
-const TICKS: usize = 10_000;
+/// Ticks in the air: beyond every transient of the setpoints, after which each tick is like the last.
+const TICKS: usize = 5_000;
 
 /// What went into a tick of the board, and what telemetry told of it, where it was compared.
 pub(super) struct Recorded {

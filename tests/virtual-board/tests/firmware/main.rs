@@ -42,8 +42,12 @@ fn board_with(rig: &Rig, parameters: &Parameters) -> Station {
 
 /// A board as `setup` has it, at `rig`.
 fn start(setup: Setup, rig: &Rig) -> Station {
-    let supply = rig.volts_limit.main.max(rig.volts_limit.tail);
-    Station::new(Machine::start(setup, Helicopter::new(rig, supply)))
+    Station::new(Machine::switch_on(setup, connected(rig)))
+}
+
+/// `rig`, with the supply that it wants.
+fn connected(rig: &Rig) -> Helicopter {
+    Helicopter::new(rig, rig.volts_limit.main.max(rig.volts_limit.tail))
 }
 
 /// Lets the rig lie for as long as it must before it may be zeroed.

@@ -46,7 +46,7 @@ fn put(station: &mut Station, bytes: &[u8]) {
 
 /// The parameter sectors.
 fn sectors(station: &mut Station) -> Vec<u8> {
-    station.machine.with(|board| board.board().chip().flash().bytes(ADDRESS, AREA_SIZE).to_vec())
+    station.machine.with(|board| board.flash().bytes(ADDRESS, AREA_SIZE).to_vec())
 }
 
 /// The record in force in the parameter sectors, as the host's copy of the storage code finds it.
@@ -66,11 +66,11 @@ fn in_force(bytes: &[u8]) -> Option<Parameters> {
 /// Writes a record and lets the supply go meanwhile. Runs until the board has booted again.
 fn save_in_vain(station: &mut Station, record: u16, cut: Cut) {
     let boots = station.heard.identities.len();
-    station.machine.with(move |board| board.board().chip().flash().plan(&[cut]));
+    station.machine.with(move |board| board.flash().plan(&[cut]));
     station.send(&ToBoard::WriteParameters(Nonce::default(), variant(record)));
     let rebooted = station.run_until(2_000, |heard| heard.identities.len() > boots);
     assert!(rebooted, "{cut:?}: {}", station.heard.summary());
-    let all_cut = station.machine.with(|board| board.board().chip().flash().all_cut());
+    let all_cut = station.machine.with(|board| board.flash().all_cut());
     assert!(all_cut, "{cut:?} never came");
 }
 
@@ -96,9 +96,9 @@ fn survive(station: &mut Station, start: &[u8], cuts: &[Cut]) {
 /// How many flash operations the next save on `start` takes, and how many of them are erases.
 fn operations(station: &mut Station, start: &[u8]) -> (u64, usize) {
     put(station, start);
-    let before = station.machine.with(|board| board.board().chip().flash().log.len());
+    let before = station.machine.with(|board| board.flash().log.len());
     save(station, &variant(NEW));
-    let log = station.machine.with(|board| board.board().chip().flash().log.clone());
+    let log = station.machine.with(|board| board.flash().log.clone());
     let erases = log[before..].iter().filter(|(_, each)| matches!(each, Operation::Erase { .. })).count();
     ((log.len() - before) as u64, erases)
 }

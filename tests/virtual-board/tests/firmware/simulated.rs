@@ -35,7 +35,7 @@ fn board(parameters: &Parameters) -> Machine {
 
 fn board_of(firmware: Firmware, parameters: &Parameters) -> Machine {
     let setup = Setup::new(firmware).with_image(ADDRESS, image(&[*parameters]));
-    let mut machine = Machine::start(setup, AtRest(Inputs::default()));
+    let mut machine = Machine::switch_on(setup, AtRest(Inputs::default()));
     machine.run(200);
     machine
 }

@@ -105,6 +105,12 @@ impl Flash {
         }
     }
 
+    /// Forgets what was done and what was planned.
+    pub fn forget(&mut self) {
+        self.log.clear();
+        self.cuts.clear();
+    }
+
     /// Plans the supply to go in operations still to come. `operation` counts from each cut on.
     pub fn plan(&mut self, cuts: &[Cut]) {
         self.cuts = cuts.iter().rev().copied().collect();

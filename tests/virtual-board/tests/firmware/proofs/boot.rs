@@ -137,7 +137,7 @@ fn caches_are_on_and_serve_no_line_from_before_a_save() {
     for nth in 1..=20 {
         station.send(&ToBoard::WriteParameters(Nonce::default(), parameters));
         assert!(station.run_until(2_000, |heard| heard.saved == nth));
-        let stale = station.machine.with(|board| board.board().chip().flash().serves_stale_lines());
+        let stale = station.machine.with(|board| board.flash().serves_stale_lines());
         assert_eq!(stale, [false; 2], "save {nth}");
         assert_eq!(on(&mut station), PREFETCH_AND_CACHES, "save {nth}");
     }

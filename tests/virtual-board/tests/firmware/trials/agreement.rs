@@ -142,7 +142,7 @@ fn fly(rig: Rig, parameters: Parameters, wanted: u32, ticks: usize) -> Trials {
 }
 
 fn operations(machine: &mut Machine) -> usize {
-    machine.with(|board| board.board().chip().flash().log.len())
+    machine.with(|board| board.flash().log.len())
 }
 
 /// The frames from the first in the air on.

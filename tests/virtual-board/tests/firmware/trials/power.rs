@@ -66,7 +66,7 @@ fn a_power_cut_in_a_save_leaves_the_stored_record_or_the_accepted_one_whole() {
         let mut station = unsaved();
         let boots = station.heard.identities.len();
         let cut = Cut { operation, share };
-        station.machine.with(move |board| board.board().chip().flash().plan(&[cut]));
+        station.machine.with(move |board| board.flash().plan(&[cut]));
         station.send(&ToBoard::Save(Nonce::default()));
         assert!(station.run_until(2_000, |heard| heard.identities.len() > boots), "{cut:?} never came");
         station.run(20);
