@@ -61,7 +61,7 @@ pub struct Row {
     pub name: String,
     /// Plants on which it failed.
     pub failures: usize,
-    /// Of these, on how many a board would have cut the motors, where that was looked at.
+    /// Of these, on how many a board would have cut the motors.
     pub cuts: usize,
     /// mean(c) + q90(c)/2.
     #[serde(rename = "J")]

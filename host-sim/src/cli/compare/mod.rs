@@ -141,7 +141,7 @@ fn fly(
     if let Some(scenario) = scenario {
         return scenario::fly(trial, controllers, scenario);
     }
-    let fly = |controller| found.all(trial.supervised(controller, NEVER));
+    let fly = |controller| found.all(trial.scores_until(controller, NEVER));
     Ok(Flown::Steps(controllers.iter().map(|(_, controller)| fly(controller)).collect::<Outcome<_>>()?))
 }
 
