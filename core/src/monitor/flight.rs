@@ -36,14 +36,12 @@ pub struct Seen<R: Real> {
 pub struct Wrong<M> {
     /// An encoder moved further than the rig can.
     pub jumped: PerAxis<M>,
-    /// The encoders do not show what the volts must have moved, whether the law turns the motors or not.
-    pub contradicted: PerAxis<M>,
     /// Pitch is outside the envelope.
     pub steep: M,
     /// A rate is.
-    pub fast: M,
-    /// A NaN or an infinity turned up.
-    pub not_finite: M,
+    pub fast: PerAxis<M>,
+    /// No NaN and no infinity turned up.
+    pub finite: M,
 }
 
 /// The rules, their limits and their memory.
@@ -96,17 +94,19 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
             self.motion.moved(moved);
         }
         let fast = rate.zip(self.rate, |rate, limit| limit.lt(rate.abs()));
+        let steep = self.pitch.lt(angle.pitch.abs());
         // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
         let sum = (angle.pitch + angle.yaw) + (rate.pitch + rate.yaw) + (demand.main + demand.tail);
         if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 {
             self.contradicted = self.motion.disagrees(seen);
         }
-        Wrong {
-            jumped,
-            contradicted: self.contradicted,
-            steep: self.pitch.lt(angle.pitch.abs()),
-            fast: fast.pitch | fast.yaw,
-            not_finite: !sum.is_finite(),
-        }
+        Wrong { jumped, steep, fast, finite: sum.is_finite() }
+    }
+
+    /// The encoders do not show what the volts must have moved, whether it is the law that gave them or not:
+    /// at the last comparison.
+    #[inline(always)]
+    pub fn contradicted(&self) -> PerAxis<R::Mask> {
+        self.contradicted
     }
 }

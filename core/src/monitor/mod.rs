@@ -29,7 +29,7 @@ pub use motion::{
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};
 use crate::supervisor::{Condition, Conditions};
 use core::hint::cold_path;
-use persistence::Persistence;
+use persistence::Exception;
 
 /// \[ticks\] A supply dips for a moment whenever a motor starts.
 pub const SUPPLY_TICKS: u32 = 10;
@@ -71,8 +71,8 @@ pub struct Monitor {
     command_timeout: u32,
     /// \[ticks\] Of silence, after which a flight ends.
     flight_timeout: u32,
-    supply: Persistence<f32>,
-    current: Persistence<f32>,
+    supply: Exception,
+    current: Exception,
     silent: u32,
 }
 
@@ -91,8 +91,8 @@ impl Monitor {
                 LostLink::Hold { ticks } => ticks,
                 LostLink::Land => LAND_TICKS,
             }),
-            supply: Persistence::of(SUPPLY_TICKS.cast_signed()),
-            current: Persistence::default(),
+            supply: Exception::of(SUPPLY_TICKS),
+            current: Exception::of(0),
             silent: 0,
         }
     }
@@ -113,8 +113,8 @@ impl Monitor {
     /// What is wrong in this tick. `landed`: the link is lost, and has the reference come to the rest pose?
     #[inline(always)]
     pub fn check(&mut self, observed: &Observation, landed: impl FnOnce() -> bool) -> Conditions {
-        let wrong = self.flight.check(&observed.seen);
         let outside = !(observed.supply >= self.supply_low && observed.supply <= self.supply_high);
+        let wrong = self.flight.check(&observed.seen);
         self.silent = if observed.heard { 0 } else { self.silent.saturating_add(1) };
         let silent = self.silent >= self.command_timeout && {
             cold_path();
@@ -122,19 +122,17 @@ impl Monitor {
         };
         // False with a NaN.
         let steady = (observed.supply - observed.supply_before).abs() <= SUPPLY_JUMP * observed.supply_before;
-        let outside = self.supply.over_more_often(outside, SUPPLY_TICKS.cast_signed());
-        let limited = self.current.over(observed.current_limit, CURRENT_TICKS.cast_signed());
         Conditions::NONE
             .with(Condition::PitchJump, wrong.jumped.pitch)
             .with(Condition::YawJump, wrong.jumped.yaw)
-            .with(Condition::PitchMotion, observed.armed && wrong.contradicted.pitch)
-            .with(Condition::YawMotion, observed.armed && wrong.contradicted.yaw)
+            .with(Condition::PitchMotion, observed.armed && self.flight.contradicted().pitch)
+            .with(Condition::YawMotion, observed.armed && self.flight.contradicted().yaw)
             .with(Condition::AngleEnvelope, observed.zeroed && wrong.steep)
-            .with(Condition::RateEnvelope, wrong.fast)
-            .with(Condition::NonFinite, wrong.not_finite)
-            .with(Condition::SupplyRange, outside)
+            .with(Condition::RateEnvelope, wrong.fast.pitch || wrong.fast.yaw)
+            .with(Condition::NonFinite, !wrong.finite)
+            .with(Condition::SupplyRange, self.supply.more_often(outside, SUPPLY_TICKS))
             .with(Condition::SupplyJump, !steady)
-            .with(Condition::CurrentLimit, limited)
+            .with(Condition::CurrentLimit, self.current.in_a_row(observed.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)
     }
 }

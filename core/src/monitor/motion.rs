@@ -170,7 +170,9 @@ impl<R: Real<Scalar = f32>> Motion<R> {
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
         let mut accel = self.body.accel(torque, angle.pitch, rate);
         let lies = angle.pitch.lt(self.stop);
-        accel.pitch = R::select(lies & accel.pitch.lt(R::zero()), R::zero(), accel.pitch);
+        if lies.any() {
+            accel.pitch = R::select(lies & accel.pitch.lt(R::zero()), R::zero(), accel.pitch);
+        }
         self.push = self.push.scaled(self.keep).plus(accel.scaled(self.step));
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
         let push = self.push;

@@ -12,7 +12,7 @@
 
 use super::motion::{MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
 use super::persistence::Persistence;
-use crate::real::{Count, Real};
+use crate::real::{Count, Mask, Real};
 
 /// \[rad/s\] By how much a disturbance may part what is observed from what is expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,12 +59,22 @@ impl<R: Real<Scalar = f32>> Watch<R> {
     /// Less than its share of the expected motion, in its direction, and no disturbance explains that.
     #[inline(always)]
     pub(super) fn contradicts(&mut self, expected: R, observed: R) -> R::Mask {
-        let back = expected.lt(R::zero());
-        let (size, along) = (R::select(back, -expected, expected), R::select(back, -observed, observed));
-        let share = R::splat(MOTION_SHARE) * size;
-        let explained = R::select(along.lt(-share), self.parted.against, self.parted.at_rest);
-        let contradicts = self.least.lt(size) & along.lt(share) & explained.lt(size - along);
-        self.disagreement.over(contradicts, (MOTION_TICKS / MOTION_EVERY).cast_signed())
+        let size = expected.abs();
+        let contradicts = self.least.lt(size).and(
+            #[inline(always)]
+            || {
+                let along = R::select(expected.lt(R::zero()), -observed, observed);
+                let share = R::splat(MOTION_SHARE) * size;
+                along.lt(share).and(
+                    #[inline(always)]
+                    || {
+                        let Parted { at_rest, against } = self.parted;
+                        R::select(along.lt(-share), against, at_rest).lt(size - along)
+                    },
+                )
+            },
+        );
+        self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY)
     }
 }
 
@@ -103,12 +113,15 @@ impl<R: Real> Stillness<R> {
     ) -> R::Mask {
         let gone = self.away.exceeds(R::Count::whole(1));
         self.away = R::Count::pick(gone, R::Count::whole(0), self.away);
-        let still = self.still.over(!(gone | lies), (STILL_TICKS / MOTION_EVERY).cast_signed());
+        let still = self.still.over(!(gone | lies), STILL_TICKS / MOTION_EVERY);
         self.push = R::select(still, self.push, push);
         let due = R::select(still, self.due, R::zero());
         let change = (push - self.push).abs().min(expected.abs());
-        let counts = self.least.lt(change) & self.most.lt((wanted.0 - wanted.1).abs());
-        self.due = R::select(counts, due + change * step, due);
+        let counts = self.least.lt(change).and(
+            #[inline(always)]
+            || self.most.lt((wanted.0 - wanted.1).abs()),
+        );
+        self.due = if counts.any() { R::select(counts, due + change * step, due) } else { due };
         self.most.lt(self.due)
     }
 }

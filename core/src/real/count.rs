@@ -16,7 +16,7 @@ pub trait Count<M: Mask>: Copy + Debug + PartialEq + Send + Sync + 'static {
     fn one_more(self) -> Self;
     /// Is it `least` or more?
     fn reaches(self, least: i32) -> M;
-    /// Is its magnitude above `most`?
+    /// Is its magnitude above `most`, which is 0 or more?
     fn exceeds(self, most: Self) -> M;
     /// `yes` where the mask is true, else `no`.
     #[must_use]
@@ -34,7 +34,8 @@ impl Count<bool> for i32 {
     }
     #[inline(always)]
     fn one_more(self) -> Self {
-        self.saturating_add(1)
+        // Saturates, as the board's compiler does it in the fewest instructions.
+        if self == i32::MAX { self } else { self.wrapping_add(1) }
     }
     #[inline(always)]
     fn reaches(self, least: i32) -> bool {
@@ -42,7 +43,7 @@ impl Count<bool> for i32 {
     }
     #[inline(always)]
     fn exceeds(self, most: Self) -> bool {
-        self.unsigned_abs() > most.unsigned_abs()
+        self.unsigned_abs() > most.cast_unsigned()
     }
     #[inline(always)]
     fn pick(mask: bool, yes: Self, no: Self) -> Self {

@@ -36,6 +36,12 @@ pub trait Mask:
     /// Is it true in lane `index`, which is below [`Real::LANES`]? A plain truth value has but one lane,
     /// whatever the index.
     fn lane(self, index: usize) -> bool;
+
+    /// Both. The other one is only asked for where this one is true in at least one lane.
+    #[inline(always)]
+    fn and(self, other: impl FnOnce() -> Self) -> Self {
+        if self.any() { self & other() } else { self }
+    }
 }
 
 /// A real number, or a group of independent ones that are computed side by side.

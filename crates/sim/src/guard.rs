@@ -74,9 +74,10 @@ impl<R: Real<Scalar = f32>> Guard<R> {
                 applied: happened.logged.volts,
                 demand: self.demand,
             });
-            let now = any(&wrong) & !self.ended;
+            let contradicted = self.rules.contradicted();
+            let now = any(&wrong, contradicted) & !self.ended;
             if now.any() {
-                self.end(now, tick, &wrong);
+                self.end(now, tick, &wrong, contradicted);
             }
         }
         self.counts = happened.counts;
@@ -86,15 +87,15 @@ impl<R: Real<Scalar = f32>> Guard<R> {
 
     /// These flights end here, each for the first of its conditions.
     #[inline(always)]
-    fn end(&mut self, now: R::Mask, tick: u32, wrong: &Wrong<R::Mask>) {
+    fn end(&mut self, now: R::Mask, tick: u32, wrong: &Wrong<R::Mask>, contradicted: PerAxis<R::Mask>) {
         core::hint::cold_path();
         let named = |condition: Condition| R::from_f64(f64::from(condition as u8));
         let mut condition = named(Condition::NonFinite);
         for (present, name) in [
-            (wrong.fast, Condition::RateEnvelope),
+            (wrong.fast.pitch | wrong.fast.yaw, Condition::RateEnvelope),
             (wrong.steep, Condition::AngleEnvelope),
-            (wrong.contradicted.yaw, Condition::YawMotion),
-            (wrong.contradicted.pitch, Condition::PitchMotion),
+            (contradicted.yaw, Condition::YawMotion),
+            (contradicted.pitch, Condition::PitchMotion),
             (wrong.jumped.yaw, Condition::YawJump),
             (wrong.jumped.pitch, Condition::PitchJump),
         ] {
@@ -115,7 +116,8 @@ impl<R: Real<Scalar = f32>> Guard<R> {
 
 /// Is anything wrong?
 #[inline(always)]
-fn any<M: Mask>(wrong: &Wrong<M>) -> M {
-    let Wrong { jumped, contradicted, steep, fast, not_finite } = *wrong;
-    ((jumped.pitch | jumped.yaw) | (contradicted.pitch | contradicted.yaw)) | ((steep | fast) | not_finite)
+fn any<M: Mask>(wrong: &Wrong<M>, contradicted: PerAxis<M>) -> M {
+    let Wrong { jumped, steep, fast, finite } = *wrong;
+    let both = |of: PerAxis<M>| of.pitch | of.yaw;
+    (both(jumped) | both(contradicted)) | (both(fast) | (steep | !finite))
 }
