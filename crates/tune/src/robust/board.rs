@@ -42,8 +42,8 @@ impl Trial {
     /// For each plant, in their order, the first of the trial's flights in which a board would cut the
     /// motors; nothing if `stop` says so before all have flown.
     ///
-    /// What [`Score::cut`](super::Score) says, to the tick; but here the board's own loop has flown each flight
-    /// alone, which takes many times as long. It is what the lanes and a device are held against.
+    /// What [`Score::cut`](super::Score) says, to the tick; but here the board's own loop has flown each
+    /// flight alone, which takes many times as long. It is what the lanes and a device are held against.
     pub fn cuts(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Option<Cut>>> {
         let settings = self.settings(controller);
         let courses = Course::all(self);

@@ -1,4 +1,5 @@
-//! In which tick and for what a board cuts a flight: the lanes against the board's own loop, flight by flight.
+//! In which tick and for what a board cuts a flight: the lanes against the board's own loop, flight by
+//! flight.
 
 use super::super::{Scatter, Scenes};
 use super::*;
@@ -67,8 +68,8 @@ fn thrust(plant: &mut PlantParameters<f64>, becomes: impl Fn(Effectiveness<f64>)
     plant.quadratic_effectiveness = becomes(plant.quadratic_effectiveness);
 }
 
-/// Rigs on which things go wrong in every way there is, each beside others in the lanes: the same tick and the
-/// same condition, and each condition that a flight can bring about does occur.
+/// Rigs on which things go wrong in every way there is, each beside others in the lanes: the same tick and
+/// the same condition, and each condition that a flight can bring about does occur.
 #[test]
 fn a_flight_that_goes_wrong_ends_in_the_boards_tick_for_the_boards_reason() {
     let mut found: HashMap<u8, usize> = HashMap::new();
