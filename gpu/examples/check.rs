@@ -77,8 +77,8 @@ fn bits(card: &Arc<Card<Cuda>>) {
         let trial = Trial::new(&rig, SCENE_PLANTS, 9, 1.5).flying(Scenes::All);
         let device = trial.clone().on(Some(Arc::clone(card) as Arc<dyn Device>));
         for controller in &controllers {
-            let scores = trial.supervised(controller, NEVER);
-            assert!(device.supervised(controller, NEVER) == scores, "{name}: {controller:?}");
+            let scores = trial.scores_until(controller, NEVER);
+            assert!(device.scores_until(controller, NEVER) == scores, "{name}: {controller:?}");
         }
     }
     println!("every tick of {flights} flights has the bits of this processor, all presets and controllers;");

@@ -16,6 +16,7 @@ use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust a
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
 use twinrotor_sim::closed_loop::{BoardLoop, RigLoop, Tick};
+use twinrotor_sim::guard::Guard;
 use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
 use twinrotor_sim::metrics::Settling;
 
@@ -174,10 +175,13 @@ pub fn flight(
 ) -> Option<Flown> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
-    let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
+    let hardware = common.hardware(PerAxis::both(0.5));
+    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
+    let guard = Guard::new(&settings, &hardware);
     let limit = settings.volts_limit;
     let sums = fly(
         closed_loop,
+        guard,
         limit,
         disturbance,
         &common.rules(),
@@ -196,11 +200,14 @@ pub const TRACE: usize = 2;
 #[inline(always)]
 pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
-    let closed_loop = RigLoop::assemble(plant, &common.hardware(PerAxis::both(0.5)), phase, &settings);
+    let hardware = common.hardware(PerAxis::both(0.5));
+    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
+    let guard = Guard::new(&settings, &hardware);
     let limit = settings.volts_limit;
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     fly(
         closed_loop,
+        guard,
         limit,
         disturbance,
         &common.rules(),
@@ -231,7 +238,12 @@ pub fn cut(given: &Given<'_>, number: u32) -> Option<[u32; CUT]> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let board = BoardLoop::new(plant, &common.hardware(phase.map(f64::from)), &settings);
     let ended = judged::cut(board, disturbance, &common.rules(), course);
-    Some(ended.map_or([u32::MAX; CUT], |ended| [ended.tick, ended.condition as u32]))
+    Some(ended_words(ended))
+}
+
+#[inline(always)]
+fn ended_words(ended: Option<Ended>) -> [u32; CUT] {
+    ended.map_or([u32::MAX; CUT], |ended| [ended.tick, ended.condition as u32])
 }
 
 /// What the words of [`cut`] say.
@@ -285,13 +297,14 @@ impl Course for Changes<'_> {
 }
 
 /// Words of a [`Flown`].
-pub const FLOWN: usize = 19;
+pub const FLOWN: usize = 21;
 
 /// A flight's sums in words.
 #[inline(always)]
 pub fn to_words(flown: &Flown) -> [u32; FLOWN] {
     let flags =
         u32::from(flown.outside_5) | u32::from(flown.left_envelope) << 1 | u32::from(flown.diverged) << 2;
+    let [tick, condition] = ended_words(flown.ended);
     let [pitch, yaw] = [flown.settling_2.pitch, flown.settling_2.yaw].map(|s| s.numbers().map(f32::to_bits));
     let [[p0, p1, p2, p3, p4], [y0, y1, y2, y3, y4]] = [pitch, yaw];
     [
@@ -314,6 +327,8 @@ pub fn to_words(flown: &Flown) -> [u32; FLOWN] {
         flown.variation.to_bits(),
         flown.saturated.to_bits(),
         flags,
+        tick,
+        condition,
     ]
 }
 
@@ -321,7 +336,7 @@ pub fn to_words(flown: &Flown) -> [u32; FLOWN] {
 pub fn from_words(words: [u32; FLOWN]) -> Flown {
     let number = |k: usize| words.get(k).map_or(0.0, |word| f32::from_bits(*word));
     let pair = |k: usize| PerAxis::new(number(k), number(k + 1));
-    let [.., flags] = words;
+    let [.., flags, tick, condition] = words;
     let settling = |k: usize| Settling::of_numbers([0, 1, 2, 3, 4].map(|i| number(k + i)));
     Flown {
         settling_2: PerAxis::new(settling(0), settling(5)),
@@ -333,5 +348,6 @@ pub fn from_words(words: [u32; FLOWN]) -> Flown {
         outside_5: flags & 1 != 0,
         left_envelope: flags & 2 != 0,
         diverged: flags & 4 != 0,
+        ended: ended([tick, condition]),
     }
 }

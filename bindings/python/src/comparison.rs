@@ -61,7 +61,7 @@ impl Compared {
 fn scores(py: Python<'_>, compared: &Compared, trial: &Trial) -> PyResult<Vec<Vec<Score>>> {
     let mut all = Vec::new();
     for (_, controller) in &compared.controllers {
-        all.push(py.detach(|| trial.supervised(controller, NEVER)).expect("nothing stops it"));
+        all.push(py.detach(|| trial.scores_until(controller, NEVER)).expect("nothing stops it"));
         py.check_signals()?;
     }
     Ok(all)

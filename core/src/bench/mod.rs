@@ -49,13 +49,13 @@ pub struct Bench<R> {
     pub worn: Worn<R>,
 }
 
-impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
+impl<R: Real<Scalar = R, Mask = bool, Count = i32>> Bench<R> {
     /// A plant as it stands, on nothing, with counters that start at zero.
     pub fn new(mut plant: RealPlant<R>, hardware: &Hardware) -> Self {
         plant.set_cable(&hardware.wear.cable);
         let encoders = Encoders::new(hardware.encoder_counts, hardware.encoder_phase.cast());
         Self {
-            position: encoders.counts(plant.state().angle).map(Whole::to_integer),
+            position: encoders.counts(plant.state().angle).map(R::to_count),
             worn: Worn::new(&hardware.wear, plant.state().angle),
             plant,
             encoders,
@@ -145,7 +145,7 @@ impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
 
     /// \[counts\] What is read of the encoders since they were switched on: noise and all.
     pub fn shown(&self) -> PerAxis<i32> {
-        let noise = self.worn.shown(PerAxis::zero()).map(Whole::to_integer);
+        let noise = self.worn.shown(PerAxis::zero()).map(R::to_count);
         self.counted.zip(noise, i32::wrapping_add)
     }
 
@@ -193,30 +193,10 @@ impl<R: Real<Scalar = R, Mask = bool> + Whole> Bench<R> {
 
     fn count(&mut self) {
         let seen = self.worn.seen(self.plant.state().angle);
-        let position = self.encoders.counts(seen).map(Whole::to_integer);
+        let position = self.encoders.counts(seen).map(R::to_count);
         let turned = position.zip(self.position, i32::wrapping_sub);
         self.position = position;
         self.counted = self.counted.zip(self.faults.counted(turned), i32::wrapping_add);
-    }
-}
-
-/// A whole number of counts as an integer, far below 2^31.
-pub trait Whole {
-    /// The integer.
-    fn to_integer(self) -> i32;
-}
-
-impl Whole for f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
-    fn to_integer(self) -> i32 {
-        self as i32
-    }
-}
-
-impl Whole for f64 {
-    #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
-    fn to_integer(self) -> i32 {
-        self as i32
     }
 }
 

@@ -14,7 +14,7 @@ use crate::drive::Drive;
 use crate::encoder::{CounterWidth, Encoder};
 use crate::estimator::{Belief, Estimate};
 use crate::first_power::{FirstPowerCheck, Verdict};
-use crate::monitor::{Monitor, Observation};
+use crate::monitor::{Monitor, Observation, Seen};
 use crate::parameters::Parameters;
 use crate::pipeline::{Decision, Pipeline};
 use crate::plant::State;
@@ -241,16 +241,18 @@ impl ControlLoop {
         moved: PerAxis<i32>,
     ) -> Conditions {
         let observed = Observation {
-            tick: self.tick,
-            moved,
-            angle,
-            rate,
-            wanted: self.decision.reference,
-            applied: self.latched,
+            seen: Seen {
+                tick: self.tick,
+                moved,
+                angle,
+                rate,
+                wanted: self.decision.reference,
+                applied: self.latched,
+                demand: self.decision.allocation.demand,
+            },
             supply: inputs.supply,
             supply_before: self.supply,
             current_limit: inputs.current_limit,
-            demand: self.decision.allocation.demand,
             zeroed: self.zeroed,
             armed: self.is_armed(),
             motors_may_turn: self.state().motors_may_turn(),

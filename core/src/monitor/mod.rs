@@ -15,26 +15,22 @@
 //! | `CurrentLimit` | the amplifier's signal is on | [`CURRENT_TICKS`] in a row |
 //! | `CommandTimeout` | armed or checking, and no message for `limits.command_timeout`; armed, with `limits.lost_link` other than `off`, when holding or landing has ended | that many ticks |
 
+mod flight;
 mod motion;
 mod persistence;
 mod watch;
 
+pub use flight::{FlightRules, JUMP_COUNTS, JUMP_MARGIN, Seen, Wrong};
 pub use motion::{
     DISTURBANCE_VOLTS, LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE, MOTION_TICKS, MOTION_WINDOW,
     STILL_TICKS, STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
 };
 
-use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};
 use crate::supervisor::{Condition, Conditions};
 use core::hint::cold_path;
-use motion::Motion;
-use persistence::Persistence;
+use persistence::Exception;
 
-/// How many times the largest rate an encoder may show in one tick.
-pub const JUMP_MARGIN: f32 = 2.0;
-/// \[counts\] Beyond that: quantisation, and an edge that bounces.
-pub const JUMP_COUNTS: f32 = 3.0;
 /// \[ticks\] A supply dips for a moment whenever a motor starts.
 pub const SUPPLY_TICKS: u32 = 10;
 /// Share of the last reading by which the supply may change in one tick. 24 V on 1 mF, with both motors of an
@@ -47,26 +43,14 @@ pub const CURRENT_TICKS: u32 = 5;
 /// What the rules look at in one tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation {
-    /// Which tick it is.
-    pub tick: u32,
-    /// \[counts\] Motion of each encoder since the last tick.
-    pub moved: PerAxis<i32>,
-    /// \[rad\] Estimated angles.
-    pub angle: PerAxis<f32>,
-    /// \[rad/s\] Estimated rates.
-    pub rate: PerAxis<f32>,
-    /// \[rad\] Where the last tick wanted to be.
-    pub wanted: PerAxis<f32>,
-    /// \[V\] What acted on the motors since the last tick.
-    pub applied: PerMotor<f32>,
+    /// What a flight shows.
+    pub seen: Seen<f32>,
     /// \[V\] Supply of the amplifiers.
     pub supply: f32,
     /// \[V\] What it was in the last tick.
     pub supply_before: f32,
     /// The amplifier says that it limits the current.
     pub current_limit: bool,
-    /// \[V\] What the last tick's pipeline asked for.
-    pub demand: PerMotor<f32>,
     /// The encoders have a zero.
     pub zeroed: bool,
     /// The law turns the motors.
@@ -80,25 +64,16 @@ pub struct Observation {
 /// The rules' memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Monitor {
-    limits: Bounds,
-    motion: Motion,
-    disagrees: PerAxis<bool>,
-    supply: Persistence,
-    current: Persistence,
-    silent: u32,
-}
-
-/// Limits in the units in which a tick compares.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Bounds {
-    pitch: f32,
-    rate: PerAxis<f32>,
-    jump: PerAxis<u32>,
+    flight: FlightRules<f32>,
+    /// \[V\]
     supply_low: f32,
     supply_high: f32,
     command_timeout: u32,
     /// \[ticks\] Of silence, after which a flight ends.
     flight_timeout: u32,
+    supply: Exception,
+    current: Exception,
+    silent: u32,
 }
 
 impl Monitor {
@@ -106,42 +81,25 @@ impl Monitor {
     #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
         let limits = &parameters.limits;
-        let jump = |rate: f32, angle_per_count: f32| {
-            let counts = JUMP_MARGIN * rate * parameters.settings.sample_time / angle_per_count + JUMP_COUNTS;
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "saturates, and then never trips"
-            )]
-            let counts = counts as u32;
-            counts
-        };
         Self {
-            limits: Bounds {
-                pitch: limits.pitch,
-                rate: limits.rate,
-                jump: limits.rate.zip(parameters.encoders.map(|e| e.angle_per_count), jump),
-                supply_low: limits.supply_low,
-                supply_high: limits.supply_high,
-                command_timeout: limits.command_timeout,
-                flight_timeout: limits.command_timeout.saturating_add(match limits.lost_link {
-                    LostLink::Off => 0,
-                    LostLink::Hold { ticks } => ticks,
-                    LostLink::Land => LAND_TICKS,
-                }),
-            },
-            motion: Motion::new(parameters),
-            disagrees: PerAxis::both(false),
-            supply: Persistence::of(SUPPLY_TICKS),
-            current: Persistence::default(),
+            flight: FlightRules::new(&parameters.settings, &parameters.encoders, limits),
+            supply_low: limits.supply_low,
+            supply_high: limits.supply_high,
+            command_timeout: limits.command_timeout,
+            flight_timeout: limits.command_timeout.saturating_add(match limits.lost_link {
+                LostLink::Off => 0,
+                LostLink::Hold { ticks } => ticks,
+                LostLink::Land => LAND_TICKS,
+            }),
+            supply: Exception::of(SUPPLY_TICKS),
+            current: Exception::of(0),
             silent: 0,
         }
     }
 
     /// Arming and the check start afresh: no motion is expected yet, and the host has just spoken.
     pub fn restart(&mut self) {
-        self.motion.restart();
-        self.disagrees = PerAxis::both(false);
+        self.flight.restart();
         self.silent = 0;
     }
 
@@ -149,47 +107,32 @@ impl Monitor {
     #[inline(always)]
     #[must_use]
     pub fn has_just_lost_link(&self) -> bool {
-        self.silent == self.limits.command_timeout
+        self.silent == self.command_timeout
     }
 
     /// What is wrong in this tick. `landed`: the link is lost, and has the reference come to the rest pose?
     #[inline(always)]
     pub fn check(&mut self, observed: &Observation, landed: impl FnOnce() -> bool) -> Conditions {
-        let b = &self.limits;
-        let Observation { angle, rate, .. } = *observed;
-        let mut jumped = PerAxis::both(false);
-        if observed.moved != PerAxis::both(0) {
-            jumped = observed.moved.zip(b.jump, |moved, limit| moved.unsigned_abs() > limit);
-            self.motion.moved(observed.moved);
-        }
-        let outside = !(observed.supply >= b.supply_low && observed.supply <= b.supply_high);
-        let fast = rate.zip(b.rate, |rate, limit| rate.abs() > limit);
-        let steep = observed.zeroed && angle.pitch.abs() > b.pitch;
-        // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
-        let sum = (angle.pitch + angle.yaw)
-            + (rate.pitch + rate.yaw)
-            + (observed.demand.main + observed.demand.tail);
-        if observed.tick % MOTION_EVERY == MOTION_EVERY - 1 {
-            self.disagrees = self.motion.disagrees(observed);
-        }
+        let outside = !(observed.supply >= self.supply_low && observed.supply <= self.supply_high);
+        let wrong = self.flight.check(&observed.seen);
         self.silent = if observed.heard { 0 } else { self.silent.saturating_add(1) };
-        let silent = self.silent >= b.command_timeout && {
+        let silent = self.silent >= self.command_timeout && {
             cold_path();
-            observed.motors_may_turn && (self.silent >= b.flight_timeout || !observed.armed || landed())
+            observed.motors_may_turn && (self.silent >= self.flight_timeout || !observed.armed || landed())
         };
         // False with a NaN.
         let steady = (observed.supply - observed.supply_before).abs() <= SUPPLY_JUMP * observed.supply_before;
         Conditions::NONE
-            .with(Condition::PitchJump, jumped.pitch)
-            .with(Condition::YawJump, jumped.yaw)
-            .with(Condition::PitchMotion, observed.armed && self.disagrees.pitch)
-            .with(Condition::YawMotion, observed.armed && self.disagrees.yaw)
-            .with(Condition::AngleEnvelope, steep)
-            .with(Condition::RateEnvelope, fast.pitch || fast.yaw)
-            .with(Condition::NonFinite, !sum.is_finite())
-            .with(Condition::SupplyRange, self.supply.over_more_often(outside, SUPPLY_TICKS))
+            .with(Condition::PitchJump, wrong.jumped.pitch)
+            .with(Condition::YawJump, wrong.jumped.yaw)
+            .with(Condition::PitchMotion, observed.armed && self.flight.contradicted().pitch)
+            .with(Condition::YawMotion, observed.armed && self.flight.contradicted().yaw)
+            .with(Condition::AngleEnvelope, observed.zeroed && wrong.steep)
+            .with(Condition::RateEnvelope, wrong.fast.pitch || wrong.fast.yaw)
+            .with(Condition::NonFinite, !wrong.finite)
+            .with(Condition::SupplyRange, self.supply.more_often(outside, SUPPLY_TICKS))
             .with(Condition::SupplyJump, !steady)
-            .with(Condition::CurrentLimit, self.current.over(observed.current_limit, CURRENT_TICKS))
+            .with(Condition::CurrentLimit, self.current.in_a_row(observed.current_limit, CURRENT_TICKS))
             .with(Condition::CommandTimeout, silent)
     }
 }

@@ -39,13 +39,13 @@
 //! response, 1.34. d comes from [`DISTURBANCE_VOLTS`] at each motor, on thrust that may be quadratic, and
 //! from friction. A weight hung on pulls the nose down harder than that, once, and is seen to do so.
 
-use super::Observation;
+use super::flight::Seen;
 use super::watch::{Parted, Watch};
 use crate::axes::{PerAxis, PerMotor};
-use crate::parameters::Parameters;
+use crate::parameters::EncoderScale;
 use crate::pipeline::Settings;
 use crate::plant::{PlantParameters, RotorTorque, bilinear_decay, follow};
-use crate::real::Real;
+use crate::real::{Count, Mask, Real};
 use crate::static_reach::SPARE;
 
 /// \[s\] Time constant over which pushes and motion are compared.
@@ -83,60 +83,61 @@ pub const STOP_MARGIN: f32 = 0.05;
 
 /// The comparison's constants and memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion {
-    body: LinearBody,
+pub(super) struct Motion<R: Real> {
+    body: LinearBody<R>,
     /// Reaction goes with the volts that a rotor has yet to follow.
-    rotors: RotorTorque<f32>,
-    rotor_decay: PerMotor<f32>,
-    keep: f32,
-    keep_load: f32,
+    rotors: RotorTorque<R>,
+    rotor_decay: PerMotor<R>,
+    keep: R,
+    keep_load: R,
     /// \[s\] From one comparison to the next.
-    step: f32,
+    step: R,
     /// \[rad\] Below this pitch the rig may lie on its stop.
-    stop: f32,
+    stop: R,
     /// \[V\] In effect.
-    volts: PerMotor<f32>,
-    slow_rate: PerAxis<f32>,
-    push: PerAxis<f32>,
-    push_load: Load,
-    shown_load: Load,
-    watch: PerAxis<Watch>,
+    volts: PerMotor<R>,
+    slow_rate: PerAxis<R>,
+    push: PerAxis<R>,
+    push_load: Load<R>,
+    shown_load: Load<R>,
+    watch: PerAxis<Watch<R>>,
 }
 
-impl Motion {
-    pub(super) fn new(parameters: &Parameters) -> Self {
-        let s = &parameters.settings;
+impl<R: Real<Scalar = f32>> Motion<R> {
+    pub(super) fn new(s: &Settings<R>, encoders: &PerAxis<EncoderScale>) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
-        let step = s.sample_time * MOTION_EVERY as f32;
-        let reach = s.effectiveness.map(f32::abs).torque(s.volts_limit);
+        let step = s.sample_time * R::splat(MOTION_EVERY as f32);
+        let reach = s.effectiveness.map(R::abs).torque(s.volts_limit);
         let least = |share: f32, stiction: f32| {
-            let torque = reach.scaled(share).plus(s.model.coulomb_friction.scaled(stiction));
-            torque.zip(inertia(&s.model), |torque, inertia| MOTION_WINDOW * torque / inertia)
+            let friction = s.model.coulomb_friction.scaled(R::splat(stiction));
+            let torque = reach.scaled(R::splat(share)).plus(friction);
+            torque.zip(inertia(&s.model), |torque, inertia| R::splat(MOTION_WINDOW) * torque / inertia)
         };
         let (moving, changed) = (least(MOTION_PUSH, 1.0), least(STUCK_PUSH, STICTION));
         let parted = bounds(s, reach.pitch);
-        let most = parameters.encoders.map(|encoder| STUCK_COUNTS * encoder.angle_per_count);
+        let most = encoders.map(|encoder| R::splat(STUCK_COUNTS * encoder.angle_per_count));
         let tau = s.model.rotor_time_constant;
-        let decay = |tau: f32| if tau > 0.0 { Real::max(bilinear_decay(step / tau), 0.0) } else { 0.0 };
-        let reaction = s.model.rotor_reaction.zip(tau, |r, tau| if tau > 0.0 { r / tau } else { 0.0 });
-        let pitch = &parameters.encoders.pitch;
+        let if_lagging = |tau: R, x: R| R::select(R::zero().lt(tau), x, R::zero());
+        let decay = |tau: R| if_lagging(tau, bilinear_decay(step / tau).max(R::zero()));
+        let reaction = s.model.rotor_reaction.zip(tau, |r, tau| if_lagging(tau, r / tau));
+        let pitch = &encoders.pitch;
         Self {
             body: LinearBody::new(&s.model),
             rotors: RotorTorque::new(&s.model, reaction),
             rotor_decay: tau.map(decay),
-            keep: bilinear_decay(step / MOTION_WINDOW),
-            keep_load: bilinear_decay(step / LOAD_WINDOW),
+            keep: bilinear_decay(step / R::splat(MOTION_WINDOW)),
+            keep_load: bilinear_decay(step / R::splat(LOAD_WINDOW)),
             step,
-            stop: if pitch.rest_counts < 0 {
+            stop: R::splat(if pitch.rest_counts < 0 {
                 f32::from_i32(pitch.rest_counts) * pitch.angle_per_count + STOP_MARGIN
             } else {
                 f32::NEG_INFINITY
-            },
+            }),
             volts: PerMotor::zero(),
             slow_rate: PerAxis::zero(),
             push: PerAxis::zero(),
-            push_load: Load::default(),
-            shown_load: Load::default(),
+            push_load: Load::zero(),
+            shown_load: Load::zero(),
             watch: PerAxis {
                 pitch: Watch::new(moving.pitch, parted.pitch, changed.pitch, most.pitch),
                 yaw: Watch::new(moving.yaw, parted.yaw, changed.yaw, most.yaw),
@@ -146,98 +147,98 @@ impl Motion {
 
     pub(super) fn restart(&mut self) {
         self.volts = PerMotor::zero();
+        self.slow_rate = PerAxis::zero();
         self.push = PerAxis::zero();
-        self.push_load = Load::default();
-        self.shown_load = Load::default();
+        self.push_load = Load::zero();
+        self.shown_load = Load::zero();
         self.watch = self.watch.map(Watch::restart);
     }
 
     /// Of every tick.
     #[inline(always)]
-    pub(super) fn moved(&mut self, counts: PerAxis<i32>) {
-        let away =
-            |watch: &mut Watch, counts: i32| watch.stillness.away = watch.stillness.away.wrapping_add(counts);
-        away(&mut self.watch.pitch, counts.pitch);
-        away(&mut self.watch.yaw, counts.yaw);
+    pub(super) fn moved(&mut self, counts: PerAxis<R::Count>) {
+        let (pitch, yaw) = (&mut self.watch.pitch.stillness.away, &mut self.watch.yaw.stillness.away);
+        *pitch = pitch.plus(counts.pitch);
+        *yaw = yaw.plus(counts.yaw);
     }
 
     /// Of every [`MOTION_EVERY`]th.
     #[inline(always)]
-    pub(super) fn disagrees(&mut self, observation: &Observation) -> PerAxis<bool> {
-        let Observation { angle, rate, applied, .. } = *observation;
+    pub(super) fn disagrees(&mut self, seen: &Seen<R>) -> PerAxis<R::Mask> {
+        let Seen { angle, rate, applied, .. } = *seen;
         self.volts = follow(self.volts, applied, self.rotor_decay);
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
         let mut accel = self.body.accel(torque, angle.pitch, rate);
-        let lies = angle.pitch < self.stop;
-        if lies && accel.pitch < 0.0 {
-            accel.pitch = 0.0;
+        let lies = angle.pitch.lt(self.stop);
+        if lies.any() {
+            accel.pitch = R::select(lies & accel.pitch.lt(R::zero()), R::zero(), accel.pitch);
         }
         self.push = self.push.scaled(self.keep).plus(accel.scaled(self.step));
         self.slow_rate = rate.plus(self.slow_rate.minus(rate).scaled(self.keep));
         let push = self.push;
         let expected = self.push_load.wash_out(push, self.keep_load);
         let observed = self.shown_load.wash_out(rate.minus(self.slow_rate), self.keep_load);
-        let wanted = observation.wanted.zip(angle, |wanted, angle| (wanted, angle));
+        let wanted = seen.wanted.zip(angle, |wanted, angle| (wanted, angle));
         let (pitch, yaw) = (&mut self.watch.pitch, &mut self.watch.yaw);
+        let nowhere = R::Mask::splat(false);
         let stuck = PerAxis {
             pitch: pitch.stillness.is_stuck(push.pitch, expected.pitch, wanted.pitch, lies, self.step),
-            yaw: yaw.stillness.is_stuck(push.yaw, expected.yaw, wanted.yaw, false, self.step),
+            yaw: yaw.stillness.is_stuck(push.yaw, expected.yaw, wanted.yaw, nowhere, self.step),
         };
         PerAxis {
-            pitch: pitch.contradicts(expected.pitch, observed.pitch) || stuck.pitch,
-            yaw: yaw.contradicts(expected.yaw, observed.yaw) || stuck.yaw,
+            pitch: pitch.contradicts(expected.pitch, observed.pitch) | stuck.pitch,
+            yaw: yaw.contradicts(expected.yaw, observed.yaw) | stuck.yaw,
         }
     }
 }
 
 /// The body, linearised about the horizontal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct LinearBody {
+struct LinearBody<R> {
     /// \[N m\] m g L.
-    weight: f32,
+    weight: R,
     /// \[N m/rad\] K_sp.
-    stiffness: f32,
+    stiffness: R,
     /// \[N m s/rad\]
-    damping: PerAxis<f32>,
+    damping: PerAxis<R>,
     /// \[1/(kg m²)\]
-    inverse_inertia: PerAxis<f32>,
+    inverse_inertia: PerAxis<R>,
 }
 
-impl LinearBody {
-    fn new(model: &PlantParameters<f32>) -> Self {
+impl<R: Real> LinearBody<R> {
+    fn new(model: &PlantParameters<R>) -> Self {
         Self {
             weight: model.mass * model.center_of_mass * model.gravity,
             stiffness: model.stiffness,
             damping: model.damping,
-            inverse_inertia: inertia(model).map(|i| 1.0 / i),
+            inverse_inertia: inertia(model).map(|i| R::one() / i),
         }
     }
 
     /// \[rad/s²\] Of `torque` \[N m\], at that pitch \[rad\] and rate \[rad/s\].
     #[inline(always)]
-    fn accel(&self, torque: PerAxis<f32>, pitch: f32, rate: PerAxis<f32>) -> PerAxis<f32> {
+    fn accel(&self, torque: PerAxis<R>, pitch: R, rate: PerAxis<R>) -> PerAxis<R> {
         let drag = self.damping.zip(rate, |d, v| d * v);
-        let pull = PerAxis::new(self.weight + self.stiffness * pitch, 0.0);
+        let pull = PerAxis::new(self.weight + self.stiffness * pitch, R::zero());
         torque.minus(drag).minus(pull).zip(self.inverse_inertia, |t, i| t * i)
     }
 }
 
 /// \[rad/s\] By how much a disturbance may part what is observed from what is expected, with full volts
 /// giving a torque of `reach` \[N m\] in pitch.
-fn bounds(settings: &Settings<f32>, reach: f32) -> PerAxis<Parted> {
+fn bounds<R: Real<Scalar = f32>>(settings: &Settings<R>, reach: R) -> PerAxis<Parted<R>> {
     let model = &settings.model;
-    let volts = settings.volts_limit.map(|limit| Real::min(DISTURBANCE_VOLTS, limit * (1.0 / 3.0)));
-    let linear = model.effectiveness.map(f32::abs).torque(volts);
+    let volts =
+        settings.volts_limit.map(|limit| R::splat(DISTURBANCE_VOLTS).min(limit * R::splat(1.0 / 3.0)));
+    let linear = model.effectiveness.map(R::abs).torque(volts);
     // Added to half of the limit, where v|v| rises by the limit for each volt.
     let square = volts.zip(settings.volts_limit, |volts, limit| volts * limit);
-    let quadratic = model.quadratic_effectiveness.map(f32::abs).torque(square);
-    let torque = linear.plus(quadratic).plus(model.coulomb_friction).scaled(DISTURBANCE_PEAK);
-    let holds = Real::max(
-        (1.0 - f32::from_f64(SPARE)) * reach - model.mass * model.gravity * model.center_of_mass,
-        0.0,
-    );
-    let weight = Real::max(WEIGHT_PEAK * holds, torque.pitch);
-    let rate = |torque: f32, inertia: f32| MOTION_WINDOW * torque / inertia;
+    let quadratic = model.quadratic_effectiveness.map(R::abs).torque(square);
+    let torque = linear.plus(quadratic).plus(model.coulomb_friction).scaled(R::splat(DISTURBANCE_PEAK));
+    let held = R::splat(1.0 - f32::from_f64(SPARE)) * reach;
+    let holds = (held - model.mass * model.gravity * model.center_of_mass).max(R::zero());
+    let weight = (R::splat(WEIGHT_PEAK) * holds).max(torque.pitch);
+    let rate = |torque: R, inertia: R| R::splat(MOTION_WINDOW) * torque / inertia;
     let inertia = inertia(model);
     PerAxis {
         pitch: Parted { at_rest: rate(torque.pitch, inertia.pitch), against: rate(weight, inertia.pitch) },
@@ -246,19 +247,23 @@ fn bounds(settings: &Settings<f32>, reach: f32) -> PerAxis<Parted> {
 }
 
 /// \[kg m²\] I + m L².
-fn inertia(model: &PlantParameters<f32>) -> PerAxis<f32> {
+fn inertia<R: Real>(model: &PlantParameters<R>) -> PerAxis<R> {
     let moment = model.mass * model.center_of_mass;
     model.inertia.map(|i| i + moment * model.center_of_mass)
 }
 
 /// What of a motion lasts: a first-order low pass.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Load(PerAxis<f32>);
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Load<R>(PerAxis<R>);
 
-impl Load {
+impl<R: Real> Load<R> {
+    fn zero() -> Self {
+        Self(PerAxis::zero())
+    }
+
     /// `motion` without it.
     #[inline(always)]
-    fn wash_out(&mut self, motion: PerAxis<f32>, keep: f32) -> PerAxis<f32> {
+    fn wash_out(&mut self, motion: PerAxis<R>, keep: R) -> PerAxis<R> {
         self.0 = motion.plus(self.0.minus(motion).scaled(keep));
         motion.minus(self.0)
     }

@@ -12,53 +12,68 @@
 
 use super::motion::{MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
 use super::persistence::Persistence;
-use crate::real::Real;
+use crate::real::{Count, Mask, Real};
 
 /// \[rad/s\] By how much a disturbance may part what is observed from what is expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Parted {
+pub(super) struct Parted<R> {
     /// While hardly anything moves.
-    pub(super) at_rest: f32,
+    pub(super) at_rest: R,
     /// While the axis moves against what is expected.
-    pub(super) against: f32,
+    pub(super) against: R,
 }
 
 /// The two rules of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Watch {
+pub(super) struct Watch<R: Real> {
     /// \[rad/s\] From where on an expected rate counts.
-    least: f32,
-    parted: Parted,
-    disagreement: Persistence,
-    pub(super) stillness: Stillness,
+    least: R,
+    parted: Parted<R>,
+    disagreement: Persistence<R>,
+    pub(super) stillness: Stillness<R>,
 }
 
-impl Watch {
-    pub(super) fn new(least: f32, parted: Parted, least_change: f32, most: f32) -> Self {
+impl<R: Real<Scalar = f32>> Watch<R> {
+    pub(super) fn new(least: R, parted: Parted<R>, least_change: R, most: R) -> Self {
         let stillness = Stillness {
-            away: 0,
+            away: R::Count::whole(0),
             still: Persistence::default(),
-            push: 0.0,
+            push: R::zero(),
             least: least_change,
-            due: 0.0,
+            due: R::zero(),
             most,
         };
         Self { least, parted, disagreement: Persistence::default(), stillness }
     }
 
     pub(super) fn restart(self) -> Self {
-        let stillness = Stillness { away: 0, still: Persistence::default(), due: 0.0, ..self.stillness };
+        let stillness = Stillness {
+            away: R::Count::whole(0),
+            still: Persistence::default(),
+            due: R::zero(),
+            ..self.stillness
+        };
         Self { disagreement: Persistence::default(), stillness, ..self }
     }
 
     /// Less than its share of the expected motion, in its direction, and no disturbance explains that.
     #[inline(always)]
-    pub(super) fn contradicts(&mut self, expected: f32, observed: f32) -> bool {
-        let (size, along) = if expected < 0.0 { (-expected, -observed) } else { (expected, observed) };
-        let share = MOTION_SHARE * size;
-        let contradicts = size > self.least
-            && along < share
-            && size - along > if along < -share { self.parted.against } else { self.parted.at_rest };
+    pub(super) fn contradicts(&mut self, expected: R, observed: R) -> R::Mask {
+        let size = expected.abs();
+        let contradicts = self.least.lt(size).and(
+            #[inline(always)]
+            || {
+                let along = R::select(expected.lt(R::zero()), -observed, observed);
+                let share = R::splat(MOTION_SHARE) * size;
+                along.lt(share).and(
+                    #[inline(always)]
+                    || {
+                        let Parted { at_rest, against } = self.parted;
+                        R::select(along.lt(-share), against, at_rest).lt(size - along)
+                    },
+                )
+            },
+        );
         self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY)
     }
 }
@@ -70,44 +85,43 @@ impl Watch {
 /// disturbance that changes while the loop holds against it changes the push too, and an axis that is held
 /// well stands still: there only a push towards somewhere else counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stillness {
+pub(super) struct Stillness<R: Real> {
     /// \[counts\] How far the encoder is from where it has been still.
-    pub(super) away: i32,
-    still: Persistence,
+    pub(super) away: R::Count,
+    still: Persistence<R>,
     /// \[rad/s\] The push when it became still.
-    push: f32,
+    push: R,
     /// \[rad/s\] From where on a change of the push counts.
-    least: f32,
+    least: R,
     /// \[rad\] How far that should have moved the axis.
-    due: f32,
+    due: R,
     /// \[rad\] When that is too far; and the least that the axis must be away from where it is wanted.
-    most: f32,
+    most: R,
 }
 
-impl Stillness {
+impl<R: Real> Stillness<R> {
     /// True once the axis should have moved too far. `wanted`: where it is to be, and where it seems to be
     /// \[rad\]. `lies`: on its stop, where being still is no wonder.
     #[inline(always)]
     pub(super) fn is_stuck(
         &mut self,
-        push: f32,
-        expected: f32,
-        wanted: (f32, f32),
-        lies: bool,
-        step: f32,
-    ) -> bool {
-        let near = self.away.unsigned_abs() <= 1;
-        if !near {
-            self.away = 0;
-        }
-        if !self.still.over(near && !lies, STILL_TICKS / MOTION_EVERY) {
-            self.push = push;
-            self.due = 0.0;
-        }
-        let change = Real::min((push - self.push).abs(), expected.abs());
-        if change > self.least && (wanted.0 - wanted.1).abs() > self.most {
-            self.due += change * step;
-        }
-        self.due > self.most
+        push: R,
+        expected: R,
+        wanted: (R, R),
+        lies: R::Mask,
+        step: R,
+    ) -> R::Mask {
+        let gone = self.away.exceeds(R::Count::whole(1));
+        self.away = R::Count::pick(gone, R::Count::whole(0), self.away);
+        let still = self.still.over(!(gone | lies), STILL_TICKS / MOTION_EVERY);
+        self.push = R::select(still, self.push, push);
+        let due = R::select(still, self.due, R::zero());
+        let change = (push - self.push).abs().min(expected.abs());
+        let counts = self.least.lt(change).and(
+            #[inline(always)]
+            || self.most.lt((wanted.0 - wanted.1).abs()),
+        );
+        self.due = if counts.any() { R::select(counts, due + change * step, due) } else { due };
+        self.most.lt(self.due)
     }
 }

@@ -10,8 +10,11 @@
 //!   ones differ between scalar and vector types in what they do with NaN and signed zero;
 //! - sine and cosine are the one routine in [`trig`].
 
+mod count;
 mod scalar;
 pub mod trig;
+
+pub use count::Count;
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -33,6 +36,12 @@ pub trait Mask:
     /// Is it true in lane `index`, which is below [`Real::LANES`]? A plain truth value has but one lane,
     /// whatever the index.
     fn lane(self, index: usize) -> bool;
+
+    /// Both. The other one is only asked for where this one is true in at least one lane.
+    #[inline(always)]
+    fn and(self, other: impl FnOnce() -> Self) -> Self {
+        if self.any() { self & other() } else { self }
+    }
 }
 
 /// A real number, or a group of independent ones that are computed side by side.
@@ -52,6 +61,8 @@ pub trait Real:
 {
     /// What a comparison gives.
     type Mask: Mask;
+    /// Whole numbers that are counted beside it.
+    type Count: Count<Self::Mask>;
     /// The number in one lane; `Self` for a plain number.
     type Scalar: Real<Scalar = Self::Scalar, Mask = bool> + Into<f64>;
     /// How many numbers are computed side by side.
@@ -69,6 +80,9 @@ pub trait Real:
     /// The number in lane `index`, which is below [`Real::LANES`]. A plain number has but one lane, whatever
     /// the index.
     fn lane(self, index: usize) -> Self::Scalar;
+
+    /// A whole number of this kind, far below 2^31, as a count.
+    fn to_count(self) -> Self::Count;
 
     /// Magnitude.
     fn abs(self) -> Self;

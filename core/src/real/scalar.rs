@@ -25,6 +25,7 @@ macro_rules! scalar {
     ($float:ty, $round:expr, $sqrt:path, $sin_cos:path, $from_f64:expr, $from_i32:expr) => {
         impl Real for $float {
             type Mask = bool;
+            type Count = i32;
             type Scalar = Self;
             const LANES: usize = 1;
 
@@ -47,6 +48,11 @@ macro_rules! scalar {
             #[inline(always)]
             fn lane(self, _index: usize) -> Self {
                 self
+            }
+            #[inline(always)]
+            #[expect(clippy::cast_possible_truncation, reason = "a whole number, far below 2^31")]
+            fn to_count(self) -> i32 {
+                self as i32
             }
             #[inline(always)]
             fn abs(self) -> Self {

@@ -38,6 +38,8 @@ pub struct Tick<R: Real> {
     pub decision: Decision<R>,
     /// \[V\] What acted on the rotors from this tick to the next.
     pub applied: PerMotor<R>,
+    /// \[counts\] Whole ones that the encoders showed when the tick began; zero in a world without encoders.
+    pub counts: PerAxis<R>,
     /// What a logger on the rig would have written.
     pub logged: Logged<R>,
 }
@@ -107,7 +109,8 @@ impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
         let applied = decision.allocation.volts;
         self.plant.advance(applied, disturbance);
         let logged = Logged { angle: state.angle, volts: applied };
-        Tick { state, setpoint: reference.angle, decision, applied, logged }
+        let counts = PerAxis::zero();
+        Tick { state, setpoint: reference.angle, decision, applied, counts, logged }
     }
 
     #[cfg(feature = "std")]
@@ -191,7 +194,7 @@ impl<R: Real> ClosedLoop<R> for RigLoop<R> {
         let driven = self.worn.driven(applied);
         self.plant.advance(driven, disturbance);
         let logged = Logged { angle: measured, volts: applied };
-        Tick { state, setpoint: reference.angle, decision, applied: driven, logged }
+        Tick { state, setpoint: reference.angle, decision, applied: driven, counts, logged }
     }
 
     #[cfg(feature = "std")]
@@ -215,6 +218,27 @@ fn encoder_scale(hardware: &Hardware, bench: &Bench<f32>) -> PerAxis<EncoderScal
     })
 }
 
+/// \[ticks\] That a [`ReadyBoard`] lies still before its operator asks for anything.
+const STILL: u32 = if REST_TICKS > SUPPLY_TICKS { REST_TICKS } else { SUPPLY_TICKS };
+/// Which tick of a [`ReadyBoard`], counted from its boot, arms it: one takes the zero, one finds that nothing
+/// prevents arming, one takes the setpoint.
+pub(crate) const ARMS: u32 = STILL + 3;
+
+/// What a [`ReadyBoard`] allows of a flight: an envelope as wide as it goes, any silence of the line, and a
+/// reference that jumps to its setpoint.
+pub(crate) fn limits(supply: f32) -> Limits {
+    Limits {
+        pitch: core::f32::consts::FRAC_PI_2,
+        rate: PerAxis::both(1e3),
+        supply_low: 0.5 * supply,
+        supply_high: 2.0 * supply,
+        command_timeout: 60_000,
+        lost_link: LostLink::Off,
+        approach_rate: 1e9,
+        check: PerMotor::both(Push::default()),
+    }
+}
+
 /// The control loop that the firmware runs, ready to be armed where the rig is.
 #[derive(Debug, Clone, Copy)]
 pub struct ReadyBoard(ControlLoop);
@@ -227,23 +251,14 @@ impl ReadyBoard {
         let parameters = Parameters {
             settings: *settings,
             encoders: encoder_scale(hardware, bench),
-            limits: Limits {
-                pitch: core::f32::consts::FRAC_PI_2,
-                rate: PerAxis::both(1e3),
-                supply_low: 0.5 * bench.supply,
-                supply_high: 2.0 * bench.supply,
-                command_timeout: 60_000,
-                lost_link: LostLink::Off,
-                approach_rate: 1e9,
-                check: PerMotor::both(Push::default()),
-            },
+            limits: limits(bench.supply),
             checked: true,
             port: RigPort::Pwm,
         };
         let drive = Drive::new(hardware.pwm_steps);
         let (counters, supply) = (bench.counters(), bench.supply);
         let mut board = Self(ControlLoop::new(&parameters, CounterWidth::Bits16, counters, drive, None));
-        for _ in 0..REST_TICKS.max(SUPPLY_TICKS) {
+        for _ in 0..STILL {
             board.step(counters, supply, None);
         }
         board.step(counters, supply, Some(OperatorCommand::Zero));
@@ -326,13 +341,15 @@ impl ClosedLoop<f32> for BoardLoop {
     fn tick(&mut self, reference: &Reference<f32>, disturbance: PerMotor<f32>) -> Tick<f32> {
         let state = self.bench.state();
         let shown = self.bench.shown();
-        let angle = self.scale.zip(shown, |at, count| at.angle_per_count * (at.rest_counts + count) as f32);
+        let counts = self.scale.zip(shown, |at, count| f32::from_i32(at.rest_counts + count));
+        let angle = self.scale.zip(counts, |at, count| at.angle_per_count * count);
         let outputs = self.board.tick(self.bench.counters(), self.bench.supply, reference);
         let volts = if outputs.enable { self.bench.latched() } else { PerMotor::zero() };
         self.bench.disturbance = disturbance;
         let applied = self.bench.tick(outputs.duty, outputs.enable);
         let decision = *self.board.control().decision();
-        Tick { state, setpoint: reference.angle, decision, applied, logged: Logged { angle, volts } }
+        let logged = Logged { angle, volts };
+        Tick { state, setpoint: reference.angle, decision, applied, counts, logged }
     }
 
     #[cfg(feature = "std")]

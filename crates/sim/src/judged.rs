@@ -4,6 +4,7 @@
 //! One copy for the lanes of the tuner and for a GPU's threads, over any [`Real`] in single precision.
 
 use crate::closed_loop::{BoardLoop, ClosedLoop, RigLoop, Tick};
+use crate::guard::Guard;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::Envelope;
 use twinrotor::real::{Mask, Real};
@@ -56,6 +57,7 @@ pub struct Sums<R: Real> {
     left_envelope: R::Mask,
     diverged: R::Mask,
     volts: PerMotor<R>,
+    guard: Guard<R>,
 }
 
 /// The sums of one flight.
@@ -79,10 +81,12 @@ pub struct Flown {
     pub left_envelope: bool,
     /// More than a turn astray, or an angle not finite.
     pub diverged: bool,
+    /// Where a board would have ended it, as [`cut`] says.
+    pub ended: Option<Ended>,
 }
 
 impl<R: Real<Scalar = f32>> Sums<R> {
-    fn new(rules: &Rules) -> Self {
+    fn new(rules: &Rules, guard: Guard<R>) -> Self {
         let zero = PerAxis::both(R::zero());
         let none = R::Mask::splat(false);
         Self {
@@ -96,6 +100,7 @@ impl<R: Real<Scalar = f32>> Sums<R> {
             left_envelope: none,
             diverged: none,
             volts: PerMotor::zero(),
+            guard,
         }
     }
 
@@ -112,6 +117,7 @@ impl<R: Real<Scalar = f32>> Sums<R> {
             outside_5: self.outside_5.lane(lane),
             left_envelope: self.left_envelope.lane(lane),
             diverged: self.diverged.lane(lane),
+            ended: self.guard.ended(lane),
         }
     }
 }
@@ -124,10 +130,12 @@ impl Rules {
 }
 
 /// Flies to the end, unless `watch`, which is shown every tick, says that nobody waits for it. The motors'
-/// `limit` \[V\] is what the controller knows, `disturbance` \[V\] what the course's pushes are parts of.
+/// `limit` \[V\] is what the controller knows, `disturbance` \[V\] what the course's pushes are parts of;
+/// `guard` says what a board would have made of it.
 #[inline(always)]
 pub fn fly<R: Real<Scalar = f32>>(
     mut closed_loop: RigLoop<R>,
+    guard: Guard<R>,
     limit: PerMotor<R>,
     disturbance: PerMotor<R>,
     rules: &Rules,
@@ -137,7 +145,7 @@ pub fn fly<R: Real<Scalar = f32>>(
     let envelope = rules.envelope;
     let mut reference = Reference::at_rest(rules.goal.cast::<R>());
     let band_5: PerAxis<R> = rules.band(0.05);
-    let mut s = Sums::new(rules);
+    let mut s = Sums::new(rules, guard);
     for tick in 0..rules.end {
         if let Some(asked) = course.asked(tick) {
             reference = Reference::splat(&asked);
@@ -154,6 +162,7 @@ pub fn fly<R: Real<Scalar = f32>>(
         if !watch(tick, &happened) {
             return None;
         }
+        s.guard.see(tick, &happened);
         let error = happened.error();
         let square = error.map(|e| e * e);
         if disturbed {

@@ -14,7 +14,7 @@ use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::{LaggedRotors, PlantParameters};
-use twinrotor::real::{Mask, ROUND_F32, Real};
+use twinrotor::real::{Count, Mask, ROUND_F32, Real};
 
 /// How many closed loops run side by side. Two vectors of AVX2: while one waits for a result, the other
 /// computes.
@@ -179,6 +179,7 @@ impl<S: Simd> Mask for Truths<S> {
 
 impl<S: Simd> Real for Lanes<S> {
     type Mask = Truths<S>;
+    type Count = Self;
     type Scalar = f32;
     const LANES: usize = LANES;
 
@@ -201,6 +202,10 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn lane(self, index: usize) -> f32 {
         self.0[index]
+    }
+    #[inline(always)]
+    fn to_count(self) -> Self {
+        self
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -233,6 +238,34 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn round_small(self) -> Self {
         (self + Self::splat(ROUND_F32)) - Self::splat(ROUND_F32)
+    }
+}
+
+/// Whole numbers up to 2^24: beyond, one more is no more.
+impl<S: Simd> Count<Truths<S>> for Lanes<S> {
+    #[inline(always)]
+    fn whole(number: i32) -> Self {
+        Self::from_i32(number)
+    }
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn one_more(self) -> Self {
+        self + Self::one()
+    }
+    #[inline(always)]
+    fn reaches(self, least: i32) -> Truths<S> {
+        Self::from_i32(least).le(self)
+    }
+    #[inline(always)]
+    fn exceeds(self, most: Self) -> Truths<S> {
+        most.lt(Real::abs(self))
+    }
+    #[inline(always)]
+    fn pick(mask: Truths<S>, yes: Self, no: Self) -> Self {
+        Self::select(mask, yes, no)
     }
 }
 

@@ -23,6 +23,7 @@ pub mod error;
 pub mod flight;
 #[cfg(feature = "std")]
 pub mod gains_file;
+pub mod guard;
 pub mod integrated;
 pub mod judged;
 #[cfg(feature = "std")]

@@ -54,6 +54,7 @@ impl Neg for Counted {
 
 impl Real for Counted {
     type Mask = bool;
+    type Count = i32;
     type Scalar = Self;
     const LANES: usize = 1;
 
@@ -71,6 +72,9 @@ impl Real for Counted {
     }
     fn lane(self, _index: usize) -> Self {
         self
+    }
+    fn to_count(self) -> i32 {
+        self.0.to_count()
     }
     fn abs(self) -> Self {
         Self(self.0.abs())

@@ -39,7 +39,8 @@ pub fn flown(frames: &[Frame], begin: u32, rig: &Rig, scenario: &Scenario) -> Fl
         decision.allocation.demand = now.demand.map(f64::from);
         let volts = now.volts.map(f64::from);
         let logged = Logged { angle: state.angle, volts };
-        metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts, logged });
+        let counts = PerAxis::zero();
+        metrics.add(tick, &Tick { state, setpoint: reference, decision, applied: volts, counts, logged });
         if left_envelope.is_none() && !rig.envelope.holds(&state) {
             left_envelope = Some(Moment::of(tick));
         }

@@ -7,18 +7,24 @@ use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::gains;
+use twinrotor::controller::ControllerSettings;
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
-use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
+use twinrotor::{defaults, gains};
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
+use twinrotor_sim::error::known_name;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
+use twinrotor_sim::guard::Guard;
 use twinrotor_sim::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
 use twinrotor_sim::metrics::{Criterion, Integral};
 use twinrotor_sim::operation_count::{Counted, operations};
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::integral::Objective;
 use twinrotor_tune::optimise::Candidate;
 use twinrotor_tune::search::Problem;
@@ -36,6 +42,17 @@ struct Document {
     /// Of one core: independent additions and multiplications in lanes, and nothing else.
     peak_operations_per_second: f64,
     kernels: Vec<Kernel>,
+    watched: Watched,
+}
+
+/// The preset's own controller in lanes, without the supervisor of its board and with it.
+#[derive(Debug, Serialize)]
+struct Watched {
+    /// Median of the rounds, in either case.
+    unwatched_steps_per_second: f64,
+    watched_steps_per_second: f64,
+    /// How much longer a step takes with it.
+    slowdown_percent: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -75,8 +92,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         );
     }
     let peak = document.peak_operations_per_second;
+    let Watched { unwatched_steps_per_second, watched_steps_per_second, slowdown_percent } = document.watched;
     print(&format!(
-        "{}\n{table}\npeak: {peak:.2e} independent additions and multiplications a second in lanes\n",
+        "{}\n{table}\npeak: {peak:.2e} independent additions and multiplications a second in lanes\n\
+         the preset's controller in lanes: {unwatched_steps_per_second:.3e} steps/s, watched by its board's \
+         supervisor {watched_steps_per_second:.3e}: {slowdown_percent:.1} % more time a step\n",
         document.machine
     ))
 }
@@ -90,12 +110,16 @@ fn measure(named: &NamedRig) -> Outcome<Document> {
     let (ideal, rig) = (lanes(Fidelity::Ideal), lanes(Fidelity::Rig));
     let (single, double) = (scenario.references::<f32>(), scenario.references::<f64>());
     let (ideal_operations, rig_operations) = (count(ideal_loop(named)), count(rig_loop(named)));
-    let runs: [(&'static str, u64, Run<'_>); 6] = [
+    let own = Settings::new(&named.rig, controller(named)?, SAMPLE_TIME).map(f32::from_f64);
+    let preset = |watched| in_lanes(Own { rig: &named.rig, settings: &own, references: &single, watched });
+    let runs: [(&'static str, u64, Run<'_>); 8] = [
         ("f64-ideal", ideal_operations, Box::new(|| fly(&double, ideal_loop::<f64>(named)))),
         ("f32-ideal", ideal_operations, Box::new(|| fly(&single, ideal_loop::<f32>(named)))),
         ("lanes-ideal", ideal_operations, Box::new(|| fly_lanes(&ideal, single.len()))),
         ("f32-rig", rig_operations, Box::new(|| fly(&single, board_loop(named)))),
         ("lanes-rig", rig_operations, Box::new(|| fly_lanes(&rig, single.len()))),
+        ("unwatched", 1, Box::new(|| preset(false))),
+        ("watched", 1, Box::new(|| preset(true))),
         ("peak", 1, Box::new(|| in_lanes(Peak))),
     ];
     let mut rates = vec![Vec::new(); runs.len()];
@@ -113,14 +137,86 @@ fn measure(named: &NamedRig) -> Outcome<Document> {
         rates.sort_by(f64::total_cmp);
         rates[ROUNDS / 2]
     };
-    let peak = median(rates.pop().expect("a rate for each run"));
+    let mut last = || median(rates.pop().expect("a rate for each run"));
+    let (peak, watched, unwatched) = (last(), last(), last());
     let kernels = runs.iter().zip(rates).map(|((name, operations, _), rates)| {
         let steps_per_second = median(rates);
         let share_of_peak = steps_per_second * *operations as f64 / peak;
         Kernel { name, steps_per_second, operations_per_step: *operations, share_of_peak }
     });
     let kernels = kernels.collect();
-    Ok(Document { machine: machine(), peak_operations_per_second: peak, kernels })
+    let watched = Watched {
+        unwatched_steps_per_second: unwatched,
+        watched_steps_per_second: watched,
+        slowdown_percent: 100.0 * (unwatched / watched - 1.0),
+    };
+    Ok(Document { machine: machine(), peak_operations_per_second: peak, kernels, watched })
+}
+
+/// What boards boot with on this preset; on a rig of one's own what `tune` starts from.
+fn controller(named: &NamedRig) -> Outcome<ControllerSettings<f64>> {
+    if let Some(controller) = defaults::named(&named.name) {
+        return Ok(controller);
+    }
+    let design = known_name("controller", "integral", &CATALOGUE)?;
+    Ok(design(&named.rig))
+}
+
+/// That controller's flights in lanes, as the robust objective flies them.
+struct Own<'a> {
+    rig: &'a Rig,
+    settings: &'a Settings<f32>,
+    references: &'a [Reference<f32>],
+    watched: bool,
+}
+
+impl Lanewise for Own<'_> {
+    /// Steps flown.
+    type Output = usize;
+    #[inline(always)]
+    fn run<R: Real<Scalar = f32>>(self) -> usize {
+        let settings = self.settings.map(R::splat);
+        let hardware = Hardware::of(self.rig, PerAxis::both(0.5));
+        let mut guard = Guard::new(&settings, &hardware);
+        if self.watched {
+            self.fly(
+                &settings,
+                &hardware,
+                #[inline(always)]
+                |tick, happened| guard.see(tick, happened),
+            );
+            assert_eq!(guard.ended(0), None, "a preset's controller on its own rig");
+        } else {
+            self.fly(
+                &settings,
+                &hardware,
+                #[inline(always)]
+                |_, _| {},
+            );
+        }
+        self.references.len() * LANES
+    }
+}
+
+impl Own<'_> {
+    #[inline(always)]
+    fn fly<R: Real<Scalar = f32>>(
+        &self,
+        settings: &Settings<R>,
+        hardware: &Hardware,
+        mut see: impl FnMut(u32, &Tick<R>),
+    ) {
+        let plant = RealPlant::new(&self.rig.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+        let mut closed_loop = RigLoop::new(plant, hardware, settings);
+        let mut squares = PerAxis::zero();
+        for (tick, reference) in (0..).zip(self.references) {
+            let happened = black_box(&mut closed_loop).tick(&Reference::splat(reference), PerMotor::zero());
+            see(tick, &happened);
+            let error = happened.error();
+            squares = squares.plus(error.zip(error, |a, b| a * b));
+        }
+        black_box(squares);
+    }
 }
 
 /// Independent additions and multiplications, as many at a time as a core can have under way.

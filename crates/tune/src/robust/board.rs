@@ -1,11 +1,8 @@
-//! The objective's flights once more as a board flies them: with its supervisor, which cuts motors.
-//!
-//! The lanes that score a controller fly the board's loop to the bit, but not the monitor that watches it
-//! (`core/src/monitor/`): here the board's own loop flies the same plants through the same flights, one by
-//! one, and what its supervisor cuts is told.
+//! Flights that a board ends: what the lanes say of them (`crates/sim/src/guard.rs`), and the same once more
+//! by the board's own loop.
 
 use super::scenes::{Course, SCENES, STEP};
-use super::{Draw, Scene, Score, Trial};
+use super::{Draw, Scene, Trial};
 use crate::parallel::{self, Stop};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -44,6 +41,9 @@ fn flight<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> 
 impl Trial {
     /// For each plant, in their order, the first of the trial's flights in which a board would cut the
     /// motors; nothing if `stop` says so before all have flown.
+    ///
+    /// What [`Score::cut`](super::Score) says, to the tick; but here the board's own loop has flown each
+    /// flight alone, which takes many times as long. It is what the lanes and a device are held against.
     pub fn cuts(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Option<Cut>>> {
         let settings = self.settings(controller);
         let courses = Course::all(self);
@@ -66,19 +66,7 @@ impl Trial {
         })
     }
 
-    /// As [`Trial::scores_until`], with what a board would have cut: a flight that ends so has failed.
-    pub fn supervised(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Score>> {
-        let scores = self.scores_until(controller, stop)?;
-        let cuts = self.cuts(controller, stop)?;
-        let told = |(score, cut): (Score, Option<Cut>)| Score {
-            cut,
-            failed: score.failed || cut.is_some(),
-            ..score
-        };
-        Some(scores.into_iter().zip(cuts).map(told).collect())
-    }
-
-    fn cut(&self, settings: &Settings<f32>, course: &Course, draw: &Draw) -> Option<Cut> {
+    pub(super) fn cut(&self, settings: &Settings<f32>, course: &Course, draw: &Draw) -> Option<Cut> {
         let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
         let hardware = Hardware::of(&self.truth, draw.encoder_phase).taken_for(&self.rig, &self.truth);
         let board = BoardLoop::new(plant, &hardware, settings);
@@ -88,7 +76,7 @@ impl Trial {
 }
 
 impl Cut {
-    fn of(course: &Course, Ended { tick, condition }: Ended) -> Self {
+    pub(super) fn of(course: &Course, Ended { tick, condition }: Ended) -> Self {
         Self { flight: course.name, condition, time: f64::from(tick) * SAMPLE_TIME }
     }
 }
@@ -96,7 +84,6 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parallel::NEVER;
     use crate::robust::{DISTURBANCE, Scenes};
     use twinrotor::defaults;
     use twinrotor::plant::presets::AERO2;
@@ -106,12 +93,12 @@ mod tests {
     fn a_rig_that_does_not_do_as_it_should_is_cut_and_no_other() {
         let mut trial = Trial::new(&AERO2, 4, 5, 3.0).flying(Scenes::All);
         assert!(trial.plants.iter().all(|d| d.disturbance.main.abs() < DISTURBANCE));
-        assert_eq!(trial.cuts(&defaults::AERO2, NEVER).unwrap(), [None; 4]);
+        assert!(trial.scores(&defaults::AERO2).iter().all(|score| score.cut.is_none()));
         for draw in &mut trial.plants {
             let thrust = &mut draw.plant.effectiveness;
             (thrust.tail_on_yaw, thrust.tail_on_pitch) = (-thrust.tail_on_yaw, -thrust.tail_on_pitch);
         }
-        for score in trial.supervised(&defaults::AERO2, NEVER).unwrap() {
+        for score in trial.scores(&defaults::AERO2) {
             assert!(score.failed);
             let cut = score.cut.expect("the yaw runs the wrong way");
             assert!(

@@ -65,7 +65,7 @@ pub struct Row {
     pub failures: usize,
     /// \[-\] The probability of a failure is below this, 95 % sure ([`upper_bound`]).
     pub failure_bound: f64,
-    /// Of these, on how many a board would have cut the motors, where that was looked at.
+    /// Of these, on how many a board would have cut the motors.
     pub cuts: usize,
     /// mean(c) + q90(c)/2.
     #[serde(rename = "J")]

@@ -25,7 +25,7 @@ pub struct Score {
     pub scenes: [Option<SceneScore>; SCENES.len()],
     /// It went more than a turn astray, or an angle is not finite.
     pub diverged: bool,
-    /// Where a board would have cut the motors, if it was looked at ([`Trial::supervised`](super::Trial)).
+    /// Where a board would have cut the motors, in the first flight that ends so.
     pub cut: Option<Cut>,
     /// It diverged, left the rig's envelope, also in a scene, was not inside 5 % when the disturbance came,
     /// or was cut.

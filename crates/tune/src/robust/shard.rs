@@ -71,8 +71,8 @@ mod tests {
              [hardware]\nnoise_counts = [3, 3]\n";
         let turn = Scenario::parse("it.toml", turn).unwrap();
         let parts: Vec<Trial> = (1..=4).map(|number| trial.only(Shard { number, of: 4 }.range(21))).collect();
-        let whole = trial.supervised(&defaults::AERO2, NEVER).unwrap();
-        let scores = parts.iter().flat_map(|part| part.supervised(&defaults::AERO2, NEVER).unwrap());
+        let whole = trial.scores(&defaults::AERO2);
+        let scores = parts.iter().flat_map(|part| part.scores(&defaults::AERO2));
         assert_eq!(scores.collect::<Vec<_>>(), whole);
         let flown = trial.survey(&defaults::AERO2, &turn, NEVER).unwrap();
         let judged = parts.iter().flat_map(|part| part.survey(&defaults::AERO2, &turn, NEVER).unwrap());

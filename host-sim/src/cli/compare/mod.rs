@@ -174,7 +174,7 @@ fn fly(
         let block = (plants > BLOCK).then(|| trial.only(from..plants.min(from + BLOCK)));
         let block = block.as_ref().unwrap_or(trial);
         for ((_, controller), scores) in controllers.iter().zip(&mut all) {
-            scores.extend(found.all(block.supervised(controller, NEVER))?);
+            scores.extend(found.all(block.scores_until(controller, NEVER))?);
             bar.inc(block.plants.len() as u64);
         }
     }

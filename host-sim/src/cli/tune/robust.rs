@@ -16,7 +16,6 @@ use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 use twinrotor_tune::design::CATALOGUE;
-use twinrotor_tune::parallel::NEVER;
 use twinrotor_tune::robust::{self, Limit, Plan, Robust, Terms, Trial};
 use twinrotor_tune::search::Search;
 use twinrotor_tune::tunable::Tunable;
@@ -215,7 +214,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         return left(request, &search, outputs);
     }
 
-    let fly = |controller| here.supervised(controller, NEVER).expect("nothing stops it");
+    let fly = |controller| here.scores(controller);
     let (before, after) = (fly(&start), fly(&found));
     if request.json {
         print_json(&document(Some(&after), Some(&proof)))?;

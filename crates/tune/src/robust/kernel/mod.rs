@@ -1,9 +1,9 @@
 //! Many plants of one controller, flown side by side and scored.
 
-use super::Trial;
 use super::cost::Score;
 use super::plants::Draw;
 use super::scenes::{Course, SCENES, SceneScore};
+use super::{Cut, Trial};
 use crate::parallel::{NEVER, Stop};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::pipeline::Settings;
@@ -12,6 +12,7 @@ use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::Real;
 use twinrotor_sim::closed_loop::{Hardware, RigLoop};
 use twinrotor_sim::device::{Device, changes};
+use twinrotor_sim::guard::Guard;
 use twinrotor_sim::judged::{Flown, HOLD, fly};
 use twinrotor_sim::lanes::{Kernel, gather_plants, gather_rotors, in_lanes};
 use twinrotor_sim::metrics::Settling;
@@ -57,7 +58,8 @@ fn all_scores(courses: &[Course], fly: impl Fn(&Course) -> Option<Vec<Flown>>) -
     for (k, course) in scenes.iter().enumerate() {
         for (score, flown) in scores.iter_mut().zip(fly(course)?) {
             let scene = scene(&flown, course);
-            score.failed |= scene.failed;
+            score.cut = score.cut.or(cut(&flown, course));
+            score.failed |= scene.failed || score.cut.is_some();
             score.scenes[k] = Some(scene);
         }
     }
@@ -83,8 +85,10 @@ impl Kernel for Flights<'_> {
         let limit = self.settings.volts_limit.map(R::splat);
         let rules = self.course.rules(self.truth.envelope);
         let (flown, disturbance) = (self.closed_loop::<R>(), self.disturbance::<R>());
+        let guard = Guard::new(&self.settings.map(R::splat), &self.hardware);
         let sums = fly(
             flown,
+            guard,
             limit,
             disturbance,
             &rules,
@@ -128,8 +132,9 @@ impl<'a> Flights<'a> {
 /// A flight's sums as the step's score.
 fn score(flown: &Flown, course: &Course) -> Score {
     let allowance = f64::from(course.disturbance) * SAMPLE_TIME;
+    let cut = cut(flown, course);
     if flown.diverged {
-        return Score::diverged(allowance);
+        return Score { cut, ..Score::diverged(allowance) };
     }
     let settled = |settling: Settling<f32>| {
         settling.time(0, course.disturbance.saturating_sub(1)).map_or(allowance, |ticks| ticks * SAMPLE_TIME)
@@ -145,8 +150,8 @@ fn score(flown: &Flown, course: &Course) -> Score {
         saturation_time: f64::from(flown.saturated) * SAMPLE_TIME,
         scenes: [None; SCENES.len()],
         diverged: false,
-        cut: None,
-        failed: flown.left_envelope || flown.outside_5,
+        cut,
+        failed: flown.left_envelope || flown.outside_5 || cut.is_some(),
     }
 }
 
@@ -160,9 +165,15 @@ fn scene(flown: &Flown, course: &Course) -> SceneScore {
     SceneScore { error, failed: flown.left_envelope }
 }
 
+fn cut(flown: &Flown, course: &Course) -> Option<Cut> {
+    flown.ended.map(|ended| Cut::of(course, ended))
+}
+
 fn rms(squares: PerAxis<f32>, ticks: u32) -> PerAxis<f64> {
     squares.map(|sum| (f64::from(sum) / f64::from(ticks)).sqrt())
 }
 
+#[cfg(test)]
+mod cuts;
 #[cfg(test)]
 mod tests;
