@@ -79,6 +79,15 @@ impl Firmware {
         Self::read(&named.unwrap_or_else(|| built("")))
     }
 
+    /// The released image for a board: where `cargo fw-BOARD` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn released_for(board: Board) -> Result<Self, Error> {
+        Self::read(&built(&format!("{}/", board.name)))
+    }
+
     /// The released image with the feature `sign-magnitude`: where
     /// `cargo fw --features sign-magnitude --target-dir target/sign-magnitude` puts it.
     ///
@@ -127,13 +136,12 @@ impl Firmware {
         Self::read(&built(&format!("{}-sim/", board.name)))
     }
 
-    /// The board for which it was built: its file has the name of the chip that it tells to its host.
+    /// The board for which it was built: its file has the name of the chip that it tells to its host, and its
+    /// own, which it logs; the longer, where one is the end of the other.
     pub fn board(&self) -> Board {
-        let told = |board: &Board| {
-            let chip = board.chip.as_bytes();
-            self.bytes.windows(chip.len()).any(|bytes| bytes == chip)
-        };
-        board::ALL.into_iter().find(told).unwrap_or_default()
+        let has = |word: &str| self.bytes.windows(word.len()).any(|bytes| bytes == word.as_bytes());
+        let told = board::ALL.into_iter().filter(|board| has(board.chip) && has(board.name));
+        told.max_by_key(|board| board.name.len()).unwrap_or_default()
     }
 
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {

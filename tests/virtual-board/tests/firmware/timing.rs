@@ -2,8 +2,9 @@
 
 use virtual_board::figures::{Figures, InFlight};
 use virtual_board::in_c;
-use virtual_board::machine::{MILLISECOND, TICK};
+use virtual_board::machine::MILLISECOND;
 use virtual_board::profile::{self, Profile, Source};
+use virtual_board::wiring::TICK;
 
 use super::{both, firmware, flying, flying_with};
 
