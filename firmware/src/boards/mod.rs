@@ -334,7 +334,10 @@ macro_rules! wiring {
             }
 
             /// What the board's wiring needs of the chip.
-            #[cfg_attr(feature = "simulated", expect(dead_code, reason = "no rig is wired to it"))]
+            #[cfg_attr(
+                any(feature = "simulated", feature = "sign-magnitude"),
+                expect(dead_code, reason = "no rig is wired to it, or one without complements")
+            )]
             pub(crate) struct Parts {
                 pub(crate) pwm_timer: Peri<'static, PwmTimer>,
                 pub(crate) stopwatch: Peri<'static, peripherals::TIM5>,
@@ -348,7 +351,9 @@ macro_rules! wiring {
                 $(pub(crate) $what: Peri<'static, peripherals::$pin>,)*
                 pub(crate) emergency_stop: Peri<'static, peripherals::$stop>,
                 $(
+                    #[cfg(feature = "sign-magnitude")]
                     pub(crate) main_reverse: Peri<'static, peripherals::$main_reverse>,
+                    #[cfg(feature = "sign-magnitude")]
                     pub(crate) tail_reverse: Peri<'static, peripherals::$tail_reverse>,
                 )?
             }
@@ -367,7 +372,12 @@ macro_rules! wiring {
                         serial_in_dma: chip.$in,
                         $($what: chip.$pin,)*
                         emergency_stop: chip.$stop,
-                        $(main_reverse: chip.$main_reverse, tail_reverse: chip.$tail_reverse,)?
+                        $(
+                            #[cfg(feature = "sign-magnitude")]
+                            main_reverse: chip.$main_reverse,
+                            #[cfg(feature = "sign-magnitude")]
+                            tail_reverse: chip.$tail_reverse,
+                        )?
                     }
                 }
             }
