@@ -42,8 +42,8 @@ SIGNALS = [
     (
         "emergency stop",
         ["emergency_stop"],
-        "break input of the PWM's timer, and EXTI: a normally **closed** contact to ground; pull-up inside. Pressed or cut: "
-        "high, stop. **1 kΩ to 3.3 V and 100 nF to ground** at the pin",
+        "break input of the PWM's timer, and EXTI: a normally **closed** contact to ground; pull-up inside. "
+        "Pressed or cut: high, stop. **1 kΩ to 3.3 V and 100 nF to ground** at the pin",
     ),
     (
         "amplifier fault, current limit",
