@@ -20,16 +20,19 @@ SIGNALS = [
     (
         "pitch encoder A, B",
         ["pitch_a", "pitch_b"],
-        "{pitch_timer}, encoder mode 3: 3.3 V, pull-up inside, filtered for 256 counts of the timer, 3 µs at "
-        "84 MHz",
+        "encoder mode 3: 3.3 V, pull-up inside, filtered for 256 counts of the timer, 3 µs at 84 MHz",
     ),
-    ("yaw encoder A, B", ["yaw_a", "yaw_b"], "{yaw_timer}, the same"),
-    ("main motor PWM", ["main"], "TIM1 CH1, 20 kHz"),
-    ("its complement", ["main_complement"], "TIM1 CH1N, dead time .5 µs"),
-    ("its other direction, with `sign-magnitude`", ["main_reverse"], "TIM1 CH3"),
-    ("tail motor PWM", ["tail"], "TIM1 CH2"),
-    ("its complement", ["tail_complement"], "TIM1 CH2N"),
-    ("its other direction, with `sign-magnitude`", ["tail_reverse"], "TIM1 CH4"),
+    ("its timer", ["pitch_timer"], ""),
+    ("yaw encoder A, B", ["yaw_a", "yaw_b"], "the same"),
+    ("its timer", ["yaw_timer"], ""),
+    ("timer of the PWM", ["pwm_timer"], "20 kHz, dead time .5 µs"),
+    ("main motor PWM", ["main"], ""),
+    ("its output of the timer", ["main_output"], "CH3N does what CH1 does elsewhere"),
+    ("its complement", ["main_complement"], "CH1N"),
+    ("its other direction, with `sign-magnitude`", ["main_reverse"], "CH3"),
+    ("tail motor PWM", ["tail"], "CH2"),
+    ("its complement", ["tail_complement"], "CH2N"),
+    ("its other direction, with `sign-magnitude`", ["tail_reverse"], "CH4"),
     (
         "amplifier enable",
         ["enable"],
@@ -39,8 +42,8 @@ SIGNALS = [
     (
         "emergency stop",
         ["emergency_stop"],
-        "TIM1 break input and EXTI: a normally **closed** contact to ground; pull-up inside. Pressed or cut: "
-        "high, stop. **1 kΩ to 3.3 V and 100 nF to ground** at the pin",
+        "break input of the PWM's timer, and EXTI: a normally **closed** contact to ground; pull-up inside. "
+        "Pressed or cut: high, stop. **1 kΩ to 3.3 V and 100 nF to ground** at the pin",
     ),
     (
         "amplifier fault, current limit",
@@ -56,8 +59,9 @@ SIGNALS = [
     (
         "serial out, in",
         ["serial_out", "serial_in"],
-        "{serial}: 1,000,000 baud, 8N1, 3.3 V. On a Nucleo board this is the ST-LINK's port",
+        "1,000,000 baud, 8N1, 3.3 V. On a Nucleo board this is the ST-LINK's port",
     ),
+    ("its port", ["serial"], ""),
     ("status LED", ["led"], "output, high is on; the Black Pill's is lit by a low level"),
 ]
 DIAGRAM = """\
@@ -106,7 +110,7 @@ class Board:
 
 def boards():
     text = (ROOT / "core/src/board.rs").read_text()
-    pattern = r'const (\w+): Board = Board \{ name: "(.*?)", chip: "(.*?)", pwm_timer_hz: ([\d_]+)'
+    pattern = r'const (\w+): Board =\s+Board \{ name: "(.*?)", chip: "(.*?)", pwm_timer_hz: ([\d_]+)'
     found = re.findall(pattern, text)
     known = {constant: (name, chip, int(hz.replace("_", ""))) for constant, name, chip, hz in found}
     paths = sorted((ROOT / "firmware/src/boards").glob("*.rs"))
@@ -149,8 +153,8 @@ def document():
     )
     rows = []
     for signal, names, watch in SIGNALS:
-        pins = [", ".join(b.wires[name] for name in names) for b in all_boards]
-        rows.append([signal, *pins, watch.format(**all_boards[0].wires)])
+        pins = [", ".join(b.wires.get(name, "none") for name in names) for b in all_boards]
+        rows.append([signal, *pins, watch])
     rows.append(["debug probe", *["PA13, PA14"] * len(all_boards), "SWD"])
     names = [f"`{b.name}`" for b in all_boards]
     text = facts + "\n" + table(["signal", *names, "what it is, and what to watch"], rows)

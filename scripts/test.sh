@@ -25,6 +25,12 @@ stage "firmware, sign and magnitude" variant sign-magnitude sign-magnitude
 stage "firmware, for bootstrapped bridges" variant bootstrap bootstrap
 stage "firmware, for a debugger" variant debug debug-build
 stage "firmware, with a simulated rig" without_a_rig f405
+stage "the same for a Feather" without_a_rig feather-f405
+for_a_feather() {
+  seeded feather-f405
+  RUSTUP_TOOLCHAIN="$toolchain" cargo fw-feather-f405
+}
+stage "firmware for a Feather with a rig" for_a_feather
 stage "the same for a Nucleo-F446RE" without_a_rig nucleo-f446
 stage "the same for a Nucleo-F411RE" without_a_rig nucleo-f411
 stage "the same for a Black Pill" without_a_rig black-pill nucleo-f411

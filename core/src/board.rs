@@ -16,6 +16,9 @@ pub struct Board {
 
 /// STM32F405RG with an 8 MHz crystal; what is taken where nothing else is said.
 pub const F405: Board = Board { name: "f405", chip: "stm32f405rg", pwm_timer_hz: 168_000_000 };
+/// Adafruit Feather STM32F405 Express, with a 12 MHz crystal.
+pub const FEATHER_F405: Board =
+    Board { name: "feather-f405", chip: "stm32f405rg", pwm_timer_hz: 168_000_000 };
 /// STM32F4-Discovery.
 pub const F407: Board = Board { name: "f407", chip: "stm32f407vg", pwm_timer_hz: 168_000_000 };
 /// WeAct Black Pill with an STM32F411CE.
@@ -24,12 +27,11 @@ pub const BLACK_PILL: Board = Board { name: "black-pill", chip: "stm32f411ce", p
 pub const NUCLEO_F446: Board = Board { name: "nucleo-f446", chip: "stm32f446re", pwm_timer_hz: 168_000_000 };
 /// ST Nucleo-F411RE.
 pub const NUCLEO_F411: Board = Board { name: "nucleo-f411", chip: "stm32f411re", pwm_timer_hz: 100_000_000 };
-
 /// ST Nucleo-G474RE.
 pub const NUCLEO_G474: Board = Board { name: "nucleo-g474", chip: "stm32g474re", pwm_timer_hz: 170_000_000 };
 
 /// All of them.
-pub const ALL: [Board; 6] = [F405, F407, BLACK_PILL, NUCLEO_F411, NUCLEO_F446, NUCLEO_G474];
+pub const ALL: [Board; 7] = [F405, FEATHER_F405, F407, BLACK_PILL, NUCLEO_F411, NUCLEO_F446, NUCLEO_G474];
 
 impl Board {
     /// Compare steps between zero and full voltage.
@@ -44,7 +46,7 @@ impl Board {
         ALL.into_iter().find(|board| board.name == name)
     }
 
-    /// The one with that chip, as a board names it.
+    /// One with that chip, as a board names it: where there are several, a chip has one PWM all the same.
     #[must_use]
     pub fn with_chip(chip: &str) -> Option<Self> {
         ALL.into_iter().find(|board| board.chip == chip)
@@ -65,13 +67,15 @@ mod tests {
     /// 8,500 of 170 MHz.
     #[test]
     fn a_timers_counts_are_the_steps() {
-        assert_eq!(ALL.map(Board::pwm_steps), [2_100, 2_100, 1_250, 1_250, 2_100, 2_125]);
+        assert_eq!(ALL.map(Board::pwm_steps), [2_100, 2_100, 2_100, 1_250, 1_250, 2_100, 2_125]);
     }
 
     #[test]
     fn a_board_is_found_by_its_name_and_by_its_chip() {
         for board in ALL {
-            assert_eq!((Board::named(board.name), Board::with_chip(board.chip)), (Some(board), Some(board)));
+            assert_eq!(Board::named(board.name), Some(board));
+            let same = Board::with_chip(board.chip).map(|found| (found.chip, found.pwm_timer_hz));
+            assert_eq!(same, Some((board.chip, board.pwm_timer_hz)), "{}", board.name);
         }
         assert_eq!((Board::named("f103"), Board::with_chip("simulated")), (None, None));
     }

@@ -1,7 +1,7 @@
 //! From a chip that has just been reset to peripherals ready to use, as the [`boards`] file says.
 
 #[cfg(not(feature = "simulated"))]
-use crate::boards;
+use crate::boards::{self, PwmTimer};
 use crate::boards::{Parts, Serial, SerialInterrupts};
 use crate::clock::Clock;
 use crate::family::flash::ParameterFlash;
@@ -48,13 +48,15 @@ pub(crate) fn start() -> Board {
     #[cfg(not(feature = "simulated"))]
     let port = {
         use crate::emergency_stop;
-        use crate::port::amplifier::{AMPLIFIER, Amplifier, Outputs};
+        use crate::port::amplifier::MainPin;
         use crate::port::senses::Senses;
         use embassy_stm32::gpio::{AfType, Flex, Input, OutputType, Pull};
         use embassy_stm32::pac::timer::vals::FilterValue;
+        #[cfg(not(feature = "sign-magnitude"))]
         use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
         use embassy_stm32::timer::qei::{Config as QeiConfig, Qei};
         use embassy_stm32::timer::simple_pwm::PwmPin;
+        use embassy_stm32::timer::{BkIn1, BreakInputPin};
 
         let encoder = || QeiConfig { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..QeiConfig::default() };
         let pitch = Qei::new(parts.pitch_timer, parts.pitch_a, parts.pitch_b, encoder());
@@ -63,22 +65,23 @@ pub(crate) fn start() -> Board {
         // far from what the PWM induces.
         boards::filter_encoders(FilterValue::FDTS_DIV32_N8);
 
+        let break_function = BreakInputPin::<PwmTimer, BkIn1>::af_num(&*parts.emergency_stop);
         let mut stop = Flex::new(parts.emergency_stop);
-        stop.set_as_af_unchecked(family::BREAK_FUNCTION, AfType::input(Pull::Up));
-        let outputs = match AMPLIFIER {
-            Amplifier::LockedAntiphase => Outputs::LockedAntiphase(
-                PwmPin::new(parts.main, OutputType::PushPull),
-                ComplementaryPwmPin::new(parts.main_complement, OutputType::PushPull),
-                PwmPin::new(parts.tail, OutputType::PushPull),
-                ComplementaryPwmPin::new(parts.tail_complement, OutputType::PushPull),
-            ),
-            Amplifier::SignMagnitude => Outputs::SignMagnitude(
-                PwmPin::new(parts.main, OutputType::PushPull),
-                PwmPin::new(parts.main_reverse, OutputType::PushPull),
-                PwmPin::new(parts.tail, OutputType::PushPull),
-                PwmPin::new(parts.tail_reverse, OutputType::PushPull),
-            ),
-        };
+        stop.set_as_af_unchecked(break_function, AfType::input(Pull::Up));
+        #[cfg(not(feature = "sign-magnitude"))]
+        let outputs = (
+            MainPin::new(parts.main, OutputType::PushPull),
+            ComplementaryPwmPin::new(parts.main_complement, OutputType::PushPull),
+            PwmPin::new(parts.tail, OutputType::PushPull),
+            ComplementaryPwmPin::new(parts.tail_complement, OutputType::PushPull),
+        );
+        #[cfg(feature = "sign-magnitude")]
+        let outputs = (
+            MainPin::new(parts.main, OutputType::PushPull),
+            PwmPin::new(parts.main_reverse, OutputType::PushPull),
+            PwmPin::new(parts.tail, OutputType::PushPull),
+            PwmPin::new(parts.tail_reverse, OutputType::PushPull),
+        );
 
         let mut supply = Flex::new(parts.supply);
         supply.set_as_analog();

@@ -1,24 +1,23 @@
 //! The clock of the tick: the update event of the timer that makes the PWM.
 //!
-//! TIM1 counts up and down between 0 and [`TOP`], [`PWM_HZ`] times a second. Its repetition counter lets an
-//! update event pass every [`HALF_PERIODS`] half periods, exactly 1 ms. That event raises the tick's
-//! interrupt and at the same instant takes over the compare values that the tick before has written: what a
-//! tick decides acts from the next one on, to the clock cycle.
+//! TIM1, or TIM8 where the board leads that one out, counts up and down between 0 and [`TOP`], [`PWM_HZ`]
+//! times a second. Its repetition counter lets an update event pass every [`HALF_PERIODS`] half periods,
+//! exactly 1 ms. That event raises the tick's interrupt and at the same instant takes over the compare values
+//! that the tick before has written: what a tick decides acts from the next one on, to the clock cycle.
 //!
 //! A second timer, TIM5, only counts, from boot on: the stopwatch by which a tick that was left out, or took
 //! too long, is found. The core's own cycle counter would do, but a debug probe that detaches stops it.
 
-use crate::boards::BOARD;
-use crate::family::interrupts;
+use crate::boards::{self, BOARD, PwmTimer};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::timer::vals::{Cms, Urs};
-use embassy_stm32::peripherals::{TIM1, TIM5};
+use embassy_stm32::peripherals::TIM5;
 use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::{Peri, pac};
 use twinrotor::drive::PWM_HZ;
 
 /// The timer, whose outputs are the amplifiers'.
-pub(crate) const TIMER: pac::timer::TimAdv = pac::TIM1;
+pub(crate) const TIMER: pac::timer::TimAdv = boards::PWM_TIMER;
 /// The stopwatch: 32 bits.
 const STOPWATCH: pac::timer::TimGp32 = pac::TIM5;
 /// \[counts\] Half a PWM period.
@@ -39,7 +38,7 @@ pub(crate) struct Clock(());
 
 impl Clock {
     /// Sets the timer's period; it does not run yet, the stopwatch does.
-    pub(crate) fn new(timer: Peri<'static, TIM1>, stopwatch: Peri<'static, TIM5>) -> Self {
+    pub(crate) fn new(timer: Peri<'static, PwmTimer>, stopwatch: Peri<'static, TIM5>) -> Self {
         // Dropping them would switch the timers off.
         core::mem::forget((Timer::new(timer), Timer::new(stopwatch)));
         STOPWATCH.psc().write_value(0);
@@ -61,7 +60,7 @@ impl Clock {
         TIMER.egr().write(|w| w.set_ug(true));
         TIMER.sr().write(|w| w.0 = 0);
         TIMER.dier().write(|w| w.set_uie(true));
-        let tick = interrupts::TICK;
+        let tick = boards::TICK;
         tick.set_priority(Priority::P0);
         #[expect(unsafe_code, reason = "an interrupt is enabled")]
         // SAFETY: what its handler uses is in place: `tick::start` calls this last.

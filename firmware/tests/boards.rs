@@ -4,14 +4,21 @@
 mod boards;
 
 use boards::{Board, INTERNAL_HZ, Pin, Source, Stream};
-use boards::{black_pill, f405, f407, nucleo_f411, nucleo_f446, nucleo_g474};
+use boards::{black_pill, f405, f407, feather_f405, nucleo_f411, nucleo_f446, nucleo_g474};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use twinrotor::plant::presets;
 
-const ALL: [Board; 6] =
-    [f405::BOARD, f407::BOARD, black_pill::BOARD, nucleo_f411::BOARD, nucleo_f446::BOARD, nucleo_g474::BOARD];
+const ALL: [Board; 7] = [
+    f405::BOARD,
+    feather_f405::BOARD,
+    f407::BOARD,
+    black_pill::BOARD,
+    nucleo_f411::BOARD,
+    nucleo_f446::BOARD,
+    nucleo_g474::BOARD,
+];
 
 /// Its chip is an STM32G4.
 fn is_g4(board: &Board) -> bool {
@@ -36,7 +43,8 @@ fn read(path: &str) -> String {
 /// Signal and pin, for every pin.
 fn pins(board: &Board) -> Vec<(&'static str, &'static str)> {
     let w = &board.wiring;
-    vec![
+    let reverse = w.reverse.map(|[main, tail]| [("main reverse", main), ("tail reverse", tail)]);
+    let always = [
         ("serial out", w.serial_out),
         ("serial in", w.serial_in),
         ("pitch A", w.pitch_a),
@@ -45,16 +53,15 @@ fn pins(board: &Board) -> Vec<(&'static str, &'static str)> {
         ("yaw B", w.yaw_b),
         ("main", w.main),
         ("main's complement", w.main_complement),
-        ("main reverse", w.main_reverse),
         ("tail", w.tail),
         ("tail's complement", w.tail_complement),
-        ("tail reverse", w.tail_reverse),
         ("enable", w.enable),
         ("emergency stop", w.emergency_stop),
         ("current limit", w.current_limit),
         ("supply", w.supply),
         ("LED", w.led),
-    ]
+    ];
+    always.into_iter().chain(reverse.into_iter().flatten()).collect()
 }
 
 /// STM32F405 and F446 datasheets: 168 (180) MHz core, 42 (45) and 84 (90) MHz buses; F411: 100, 50 and 100
@@ -96,12 +103,15 @@ fn without_its_crystal_a_board_is_as_fast_and_the_stopwatch_counts_whole_cycles(
     }
 }
 
-/// RM0090, table 42: USART2's receiver is DMA1's stream 5. A G474 has no such table, and channels from 1 on.
+/// RM0090, table 42: USART2's receiver is DMA1's stream 5, USART3's stream 1. A G474 has no such table, and
+/// channels from 1 on.
 #[test]
 fn the_serial_ports_stream_is_its_own() {
     for board in ALL {
-        assert_eq!(board.wiring.serial, "USART2", "{}", board.known.name);
-        assert_eq!(Stream::named(board.wiring.serial_in_dma), Stream { controller: 1, number: 5 });
+        let feather = board.known.name == "feather-f405";
+        let (serial, number) = if feather { ("USART3", 1) } else { ("USART2", 5) };
+        assert_eq!(board.wiring.serial, serial, "{}", board.known.name);
+        assert_eq!(Stream::named(board.wiring.serial_in_dma), Stream { controller: 1, number });
     }
 }
 
@@ -145,8 +155,6 @@ fn every_pin_has_one_signal_and_no_probe_on_it() {
                 board.known.name
             );
         }
-        // The interrupt of EXTI lines 10 to 15 is the one that is listened to.
-        assert!(Pin::named(board.wiring.emergency_stop).number >= 10, "{}", board.known.name);
         // STM32F4 datasheets: ADC1's channels 0 to 7 are PA0 to PA7, 8 and 9 PB0 and PB1, 10 to 15 PC0 to
         // PC5; G474: 6 to 9 are PC0 to PC3.
         let supply = Pin::named(board.wiring.supply);
@@ -169,6 +177,34 @@ fn the_black_pill_has_the_pins_that_it_uses() {
             _ => false,
         };
         assert!(has, "{signal}: {pin}");
+    }
+}
+
+/// The pins at the two headers of Adafruit's Feather STM32F405 Express, its pinout, and its LED.
+#[test]
+fn the_feather_leads_out_the_pins_that_it_uses() {
+    const LED_OUT: [&str; 22] = [
+        "PA4", "PA5", "PA6", "PA7", "PC4", "PC5", "PB13", "PB15", "PB14", "PB11", "PB10", "PB7", "PB6",
+        "PC7", "PC6", "PB8", "PB9", "PC3", "PC2", "PC1", "PA13", "PA14",
+    ];
+    let used = pins(&feather_f405::BOARD);
+    assert_eq!(used.len(), 15, "all but those of sign and magnitude");
+    for (signal, pin) in used {
+        assert!(LED_OUT.contains(&pin), "{signal}: {pin}");
+    }
+}
+
+/// STM32F40x datasheet DS8626, table 9: where the PWM's timer comes out, and its break input. The compiler
+/// knows a pin's functions by its type; what is looked at here is that one timer has them all.
+#[test]
+fn the_pwm_and_its_break_input_are_one_timers() {
+    for Board { known: twinrotor::board::Board { name, .. }, wiring: w, .. } in &ALL {
+        let (timer, output) = if *name == "feather-f405" { ("TIM8", "CH3N") } else { ("TIM1", "CH1") };
+        assert_eq!((w.pwm_timer, w.main_output), (timer, output), "{name}");
+        assert_eq!(w.main_is_mirrored(), output == "CH3N", "{name}");
+        assert_eq!(w.reverse.is_some(), output == "CH1", "{name}: channels 3 and 4");
+        let stop = if timer == "TIM8" { "PA6" } else { "PB12" };
+        assert_eq!(w.emergency_stop, stop, "{name}");
     }
 }
 
@@ -212,7 +248,7 @@ fn the_wiring_table_has_every_pin() {
     }
 }
 
-/// RM0090, 18.3.12: TIM2 to TIM5 count encoders. TIM1 has the PWM, TIM12 the program's time.
+/// RM0090, 18.3.12: TIM2 to TIM5 count encoders. TIM1 or TIM8 has the PWM, TIM12 the program's time.
 #[test]
 fn every_peripheral_has_one_use() {
     for Board { known: twinrotor::board::Board { name, .. }, wiring: w, .. } in &ALL {
@@ -254,6 +290,7 @@ fn cargo_has_the_same_commands_for_a_simulated_rig() {
     let config = words.join(" ");
     for (board, features) in [
         (f405::BOARD, "simulated"),
+        (feather_f405::BOARD, "feather-f405,simulated"),
         (black_pill::BOARD, "black-pill,simulated"),
         (nucleo_f411::BOARD, "nucleo-f411,simulated"),
         (nucleo_f446::BOARD, "nucleo-f446,simulated"),

@@ -30,16 +30,18 @@ pub(crate) const BOARD: Board = Board {
 
 wiring! {
     pitch_timer: TIM2, yaw_timer: TIM3,
+    pwm_timer: TIM1 (TIM1_UP_TIM10), main_output: CH1,
     serial: USART2,
     serial_out_dma: DMA1_CH6 (DMA1_STREAM6), serial_in_dma: DMA1_CH5,
     serial_out: PA2, serial_in: PA3,
     pitch_a: PA15, pitch_b: PB3,
     yaw_a: PB4, yaw_b: PB5,
-    main: PA8, main_complement: PB13, main_reverse: PA10,
-    tail: PA9, tail_complement: PB14, tail_reverse: PA11,
+    main: PA8, main_complement: PB13,
+    tail: PA9, tail_complement: PB14,
     enable: PB1,
-    emergency_stop: PB12,
     current_limit: PB10,
     supply: PA4,
-    led: PC13,
+    led: PC13;
+    emergency_stop: PB12 (EXTI15_10),
+    main_reverse: PA10, tail_reverse: PA11,
 }

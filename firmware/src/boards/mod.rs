@@ -34,7 +34,10 @@ pub(crate) struct Board {
     /// The level that lights the status LED.
     pub(crate) lit_high: bool,
     /// What is connected where.
-    #[cfg_attr(all(target_os = "none", feature = "simulated"), expect(dead_code, reason = "of a real rig"))]
+    #[cfg_attr(
+        all(target_os = "none", feature = "simulated", feature = "g4"),
+        expect(dead_code, reason = "of a real rig")
+    )]
     pub(crate) wiring: Wiring,
 }
 
@@ -120,7 +123,7 @@ impl Clocks {
         if self.apb1_divide == 1 { bus } else { 2 * bus }
     }
 
-    /// \[Hz\] Of TIM1: twice its bus, unless the bus is as fast as the core (RM0090, 7.2).
+    /// \[Hz\] Of TIM1 and TIM8: twice their bus, unless the bus is as fast as the core (RM0090, 7.2).
     pub(crate) const fn pwm_timer_hz(&self) -> u32 {
         let bus = self.core_hz() / self.apb2_divide as u32;
         if self.apb2_divide == 1 { bus } else { 2 * bus }
@@ -150,6 +153,11 @@ pub(crate) struct Wiring {
     pub(crate) pitch_timer: &'static str,
     /// The same: yaw.
     pub(crate) yaw_timer: &'static str,
+    /// The timer of the PWM and of the tick: TIM1, or TIM8.
+    pub(crate) pwm_timer: &'static str,
+    /// Its output for the main motor: `CH1`, or `CH3N`, the complement of channel 3, on a board that has
+    /// another use for channel 1's pin.
+    pub(crate) main_output: &'static str,
     /// The serial link to the host.
     pub(crate) serial: &'static str,
     /// Its DMA stream to the host.
@@ -168,21 +176,20 @@ pub(crate) struct Wiring {
     pub(crate) yaw_a: &'static str,
     /// Yaw encoder, channel B.
     pub(crate) yaw_b: &'static str,
-    /// Main motor's PWM: TIM1 channel 1.
+    /// Main motor's PWM: [`Wiring::main_output`].
     pub(crate) main: &'static str,
-    /// Its complement, for locked antiphase.
+    /// Its complement, for locked antiphase: that of channel 1.
     pub(crate) main_complement: &'static str,
-    /// Main motor's other direction, for sign and magnitude: TIM1 channel 3.
-    pub(crate) main_reverse: &'static str,
-    /// Tail motor's PWM: TIM1 channel 2.
+    /// Tail motor's PWM: channel 2.
     pub(crate) tail: &'static str,
     /// Its complement, for locked antiphase.
     pub(crate) tail_complement: &'static str,
-    /// Tail motor's other direction, for sign and magnitude: TIM1 channel 4.
-    pub(crate) tail_reverse: &'static str,
+    /// The main and the tail motor's other direction, for sign and magnitude: channels 3 and 4, if the board
+    /// leads them out.
+    pub(crate) reverse: Option<[&'static str; 2]>,
     /// The amplifiers' enable input: high is on.
     pub(crate) enable: &'static str,
-    /// TIM1's break input, on a line of EXTI from 10 to 15: high, or cut, is stop.
+    /// The break input of the PWM's timer, and a line of EXTI: high, or cut, is stop.
     pub(crate) emergency_stop: &'static str,
     /// The amplifiers' fault or current limit: low.
     pub(crate) current_limit: &'static str,
@@ -190,6 +197,18 @@ pub(crate) struct Wiring {
     pub(crate) supply: &'static str,
     /// The status LED.
     pub(crate) led: &'static str,
+}
+
+impl Wiring {
+    /// Is the main motor's PWM that of [`Wiring::main_output`]'s second name?
+    #[cfg(not(all(target_os = "none", feature = "simulated")))]
+    pub(crate) const fn main_is_mirrored(&self) -> bool {
+        match self.main_output.as_bytes() {
+            b"CH1" => false,
+            b"CH3N" => true,
+            _ => panic!("CH1 or CH3N"),
+        }
+    }
 }
 
 /// A pin, by numbers.
@@ -239,17 +258,24 @@ impl Stream {
 macro_rules! wiring {
     (
         pitch_timer: $pitch:ident, yaw_timer: $yaw:ident,
+        pwm_timer: $pwm:ident ($tick:ident), main_output: $main_output:ident,
         serial: $serial:ident,
         serial_out_dma: $out:ident ($out_stream:ident), serial_in_dma: $in:ident,
-        $($what:ident: $pin:ident),* $(,)?
+        $($what:ident: $pin:ident),*;
+        emergency_stop: $stop:ident ($edge:ident),
+        $(main_reverse: $main_reverse:ident, tail_reverse: $tail_reverse:ident,)?
     ) => {
         const WIRING: super::Wiring = super::Wiring {
             pitch_timer: stringify!($pitch),
             yaw_timer: stringify!($yaw),
+            pwm_timer: stringify!($pwm),
+            main_output: stringify!($main_output),
             serial: stringify!($serial),
             serial_out_dma: stringify!($out),
             serial_in_dma: stringify!($in),
-            $($what: stringify!($pin)),*
+            $($what: stringify!($pin),)*
+            emergency_stop: stringify!($stop),
+            reverse: [$([stringify!($main_reverse), stringify!($tail_reverse)])?].first().copied(),
         };
 
         #[cfg(target_os = "none")]
@@ -257,10 +283,31 @@ macro_rules! wiring {
 
         #[cfg(target_os = "none")]
         mod on_chip {
-            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, pac, peripherals};
+            use embassy_stm32::interrupt::Interrupt;
+            use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, interrupt, pac, peripherals};
 
             pub(crate) type PitchTimer = peripherals::$pitch;
             pub(crate) type YawTimer = peripherals::$yaw;
+            pub(crate) type PwmTimer = peripherals::$pwm;
+            /// The timer of the PWM.
+            pub(crate) const PWM_TIMER: pac::timer::TimAdv = pac::$pwm;
+            /// The tick: its update.
+            pub(crate) const TICK: Interrupt = Interrupt::$tick;
+
+            #[interrupt]
+            fn $tick() {
+                crate::tick::tick();
+            }
+
+            /// The emergency stop's edge.
+            #[cfg(not(feature = "simulated"))]
+            pub(crate) const STOP_EDGE: Interrupt = Interrupt::$edge;
+
+            #[cfg(not(feature = "simulated"))]
+            #[interrupt]
+            fn $edge() {
+                crate::emergency_stop::edge();
+            }
 
             bind_interrupts!(pub(crate) struct SerialInterrupts {
                 $out_stream => dma::InterruptHandler<peripherals::$out>;
@@ -287,9 +334,12 @@ macro_rules! wiring {
             }
 
             /// What the board's wiring needs of the chip.
-            #[cfg_attr(feature = "simulated", expect(dead_code, reason = "no rig is wired to it"))]
+            #[cfg_attr(
+                any(feature = "simulated", feature = "sign-magnitude"),
+                expect(dead_code, reason = "no rig is wired to it, or one without complements")
+            )]
             pub(crate) struct Parts {
-                pub(crate) pwm_timer: Peri<'static, peripherals::TIM1>,
+                pub(crate) pwm_timer: Peri<'static, PwmTimer>,
                 pub(crate) stopwatch: Peri<'static, peripherals::TIM5>,
                 pub(crate) adc: Peri<'static, peripherals::ADC1>,
                 pub(crate) flash: Peri<'static, peripherals::FLASH>,
@@ -298,13 +348,20 @@ macro_rules! wiring {
                 pub(crate) serial: Peri<'static, peripherals::$serial>,
                 pub(crate) serial_out_dma: Peri<'static, peripherals::$out>,
                 pub(crate) serial_in_dma: Peri<'static, peripherals::$in>,
-                $(pub(crate) $what: Peri<'static, peripherals::$pin>),*
+                $(pub(crate) $what: Peri<'static, peripherals::$pin>,)*
+                pub(crate) emergency_stop: Peri<'static, peripherals::$stop>,
+                $(
+                    #[cfg(feature = "sign-magnitude")]
+                    pub(crate) main_reverse: Peri<'static, peripherals::$main_reverse>,
+                    #[cfg(feature = "sign-magnitude")]
+                    pub(crate) tail_reverse: Peri<'static, peripherals::$tail_reverse>,
+                )?
             }
 
             impl Parts {
                 pub(crate) fn of(chip: Peripherals) -> Self {
                     Self {
-                        pwm_timer: chip.TIM1,
+                        pwm_timer: chip.$pwm,
                         stopwatch: chip.TIM5,
                         adc: chip.ADC1,
                         flash: chip.FLASH,
@@ -313,7 +370,14 @@ macro_rules! wiring {
                         serial: chip.$serial,
                         serial_out_dma: chip.$out,
                         serial_in_dma: chip.$in,
-                        $($what: chip.$pin),*
+                        $($what: chip.$pin,)*
+                        emergency_stop: chip.$stop,
+                        $(
+                            #[cfg(feature = "sign-magnitude")]
+                            main_reverse: chip.$main_reverse,
+                            #[cfg(feature = "sign-magnitude")]
+                            tail_reverse: chip.$tail_reverse,
+                        )?
                     }
                 }
             }
@@ -321,12 +385,17 @@ macro_rules! wiring {
     };
 }
 
+#[cfg(all(feature = "feather-f405", feature = "sign-magnitude"))]
+compile_error!("the Feather leads out neither channel 3 nor channel 4 of its PWM's timer: no sign-magnitude");
+
 #[cfg(any(feature = "black-pill", not(target_os = "none")))]
 pub(crate) mod black_pill;
 #[cfg(any(feature = "f405", not(target_os = "none")))]
 pub(crate) mod f405;
 #[cfg(any(feature = "f407", not(target_os = "none")))]
 pub(crate) mod f407;
+#[cfg(any(feature = "feather-f405", not(target_os = "none")))]
+pub(crate) mod feather_f405;
 #[cfg(any(feature = "nucleo-f411", not(target_os = "none")))]
 pub(crate) mod nucleo_f411;
 #[cfg(any(feature = "nucleo-f446", not(target_os = "none")))]
@@ -340,6 +409,8 @@ pub(crate) use black_pill::*;
 pub(crate) use f405::*;
 #[cfg(all(target_os = "none", feature = "f407"))]
 pub(crate) use f407::*;
+#[cfg(all(target_os = "none", feature = "feather-f405"))]
+pub(crate) use feather_f405::*;
 #[cfg(all(target_os = "none", feature = "nucleo-f411"))]
 pub(crate) use nucleo_f411::*;
 #[cfg(all(target_os = "none", feature = "nucleo-f446"))]

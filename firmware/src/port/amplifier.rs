@@ -1,13 +1,12 @@
 //! The PWM of both motors: the outputs of the timer that is also the clock of the tick.
 
-use crate::boards::BOARD;
+use crate::boards::{BOARD, PwmTimer};
 use crate::clock::{TIMER, TOP};
 use crate::{family, pins};
 use embassy_stm32::pac::timer::vals::{Bkp, Ccds, Lock, Ocm, Ossi, Ossr};
-use embassy_stm32::peripherals::TIM1;
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
-use embassy_stm32::timer::{Ch1, Ch2, Ch3, Ch4};
+use embassy_stm32::timer::{Ch1, Ch2, Ch3};
 use twinrotor::axes::PerMotor;
 
 /// How the amplifiers are driven.
@@ -42,24 +41,47 @@ pub(crate) enum Amplifier {
     SignMagnitude,
 }
 
-/// The pins, in their alternate function for good.
-#[expect(dead_code, reason = "held so that the pins stay as they are")]
-pub(crate) enum Outputs {
-    /// Main and its complement, tail and its complement.
-    LockedAntiphase(
-        PwmPin<'static, TIM1, Ch1>,
-        ComplementaryPwmPin<'static, TIM1, Ch1>,
-        PwmPin<'static, TIM1, Ch2>,
-        ComplementaryPwmPin<'static, TIM1, Ch2>,
-    ),
-    /// Main forward and reverse, tail forward and reverse.
-    SignMagnitude(
-        PwmPin<'static, TIM1, Ch1>,
-        PwmPin<'static, TIM1, Ch3>,
-        PwmPin<'static, TIM1, Ch2>,
-        PwmPin<'static, TIM1, Ch4>,
-    ),
+/// The main motor's PWM is the complement of channel 3, of which this makes channel 1's opposite: so it comes
+/// out as channel 1 would, dead time included.
+const MIRRORED: bool = BOARD.wiring.main_is_mirrored();
+
+/// Which pin the main motor's PWM comes out at.
+pub(crate) struct Main<const MIRRORED: bool>;
+
+/// The type of a pin.
+pub(crate) trait Output {
+    /// It.
+    type Pin;
 }
+
+impl Output for Main<false> {
+    type Pin = PwmPin<'static, PwmTimer, Ch1>;
+}
+
+impl Output for Main<true> {
+    type Pin = ComplementaryPwmPin<'static, PwmTimer, Ch3>;
+}
+
+/// The main motor's pin.
+pub(crate) type MainPin = <Main<MIRRORED> as Output>::Pin;
+
+/// The pins, in their alternate function for good: main and its complement, tail and its complement.
+#[cfg(not(feature = "sign-magnitude"))]
+pub(crate) type Outputs = (
+    MainPin,
+    ComplementaryPwmPin<'static, PwmTimer, Ch1>,
+    PwmPin<'static, PwmTimer, Ch2>,
+    ComplementaryPwmPin<'static, PwmTimer, Ch2>,
+);
+
+/// The pins, in their alternate function for good: main forward and reverse, tail forward and reverse.
+#[cfg(feature = "sign-magnitude")]
+pub(crate) type Outputs = (
+    MainPin,
+    PwmPin<'static, PwmTimer, Ch3>,
+    PwmPin<'static, PwmTimer, Ch2>,
+    PwmPin<'static, PwmTimer, embassy_stm32::timer::Ch4>,
+);
 
 /// Sets the outputs up, off and low, break input armed.
 pub(crate) fn configure() {
@@ -68,12 +90,13 @@ pub(crate) fn configure() {
     TIMER.cr2().write(|w| w.set_ccds(Ccds::ON_COMPARE));
     for channel in 0..4 {
         TIMER.ccmr_output(channel / 2).modify(|w| {
-            w.set_ocm(channel % 2, Ocm::PWM_MODE1);
+            let mode = if MIRRORED && channel == 2 { Ocm::PWM_MODE2 } else { Ocm::PWM_MODE1 };
+            w.set_ocm(channel % 2, mode);
             w.set_ocpe(channel % 2, true);
         });
     }
     TIMER.ccer().modify(|w| match AMPLIFIER {
-        Amplifier::LockedAntiphase => (0..2).for_each(|channel| {
+        Amplifier::LockedAntiphase => (0..if MIRRORED { 3 } else { 2 }).for_each(|channel| {
             w.set_cce(channel, true);
             w.set_ccne(channel, true);
         }),
@@ -102,6 +125,9 @@ pub(crate) fn set(steps: PerMotor<i32>) {
         Amplifier::LockedAntiphase => {
             compare(0, steps.main.wrapping_add(FULL));
             compare(1, steps.tail.wrapping_add(FULL));
+            if MIRRORED {
+                compare(2, steps.main.wrapping_add(FULL));
+            }
         }
         Amplifier::SignMagnitude => {
             compare(0, steps.main.max(0).wrapping_mul(2));

@@ -25,8 +25,8 @@ pub(super) struct Common {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
     #[arg(long, default_value = "paper", help_heading = "Rig")]
     pub preset: String,
-    /// Board that flies it, which decides how fine its PWM is: f405, f407, black-pill, nucleo-f411,
-    /// nucleo-f446 or nucleo-g474; acts with --fidelity rig
+    /// Board that flies it, which decides how fine its PWM is: f405, feather-f405, f407, black-pill,
+    /// nucleo-f411, nucleo-f446 or nucleo-g474; acts with --fidelity rig
     #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
     pub board: Board,
     /// Rotor lag of both motors, in s, instead of the preset's; it acts with --fidelity rig

@@ -24,7 +24,7 @@ pub(super) struct Args {
     /// Rig: a preset's name or a FILE.toml of your own [default: the one the gains were tuned on]
     #[arg(long, help_heading = "Rig")]
     preset: Option<String>,
-    /// Board: f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
+    /// Board: f405, feather-f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
     #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
     board: Hardware,
     /// The wiring has passed the first-power check on this board before: do not ask for it again

@@ -321,14 +321,15 @@ fn what_is_injected_stays() {
 fn each_board_flies_with_its_own_pwm() {
     let folder = tempfile::tempdir().unwrap();
     let fly_at = |board: &str| json(&fly(folder.path(), &["--board", board, "--json"]));
-    let (f405, f446, f411) = (fly_at("f405"), fly_at("nucleo-f446"), fly_at("nucleo-f411"));
-    assert!([&f405, &f446, &f411].iter().all(|f| f["verified_ticks"].as_u64().unwrap() > 6_000));
-    assert_eq!(f405["flown"], f446["flown"]);
+    let (f405, feather, f411) = (fly_at("f405"), fly_at("feather-f405"), fly_at("nucleo-f411"));
+    assert!([&f405, &feather, &f411].iter().all(|f| f["verified_ticks"].as_u64().unwrap() > 6_000));
+    assert_eq!(f405["flown"], feather["flown"]);
     assert_ne!(f405["flown"], f411["flown"]);
     assert_ne!(f405["simulated"], f411["simulated"]);
     let refused = fly(folder.path(), &["--board", "f103"]);
     assert!(
-        refused.status.code() == Some(2) && told(&refused).contains("f405, f407, black-pill, nucleo-f411,")
+        refused.status.code() == Some(2)
+            && told(&refused).contains("f405, feather-f405, f407, black-pill, nucleo-f411,")
     );
 }
 

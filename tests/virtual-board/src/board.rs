@@ -14,7 +14,7 @@ use crate::chip::timer::{Drive, Side, Timer};
 use crate::chip::{INTERRUPT_LINES, Settings, Stm32f405};
 use crate::serial::Line;
 use crate::warm_core::WarmCore;
-use crate::wiring::{self, Amplifiers, Encoder, Leg, Wire};
+use crate::wiring::{Amplifiers, Bridge, Encoder, Leg, SUPPLY_DIVIDER, Wire};
 
 /// What the rig puts on the board's connectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +45,8 @@ pub struct Outputs {
     /// \[counts\] the PWM timer's compare values as latched, and its reload value.
     pub compare: [u64; 4],
     pub reload: u64,
-    /// What the timer's outputs are connected to.
-    pub amplifiers: Amplifiers,
+    /// What the timer's outputs are connected to: the main and the tail motor's bridge.
+    pub bridges: [Bridge; 2],
     /// What the legs of the main and the tail motor's bridge do.
     pub legs: [[Drive; 2]; 2],
     /// The amplifiers are switched on.
@@ -78,9 +78,9 @@ impl Outputs {
     /// What the compare values ask of a motor, in steps from zero, whether or not anything comes of it.
     pub fn asked(&self, motor: usize) -> i64 {
         let counts = |value: u64| i64::try_from(value).expect("16 bits");
-        let [forward, back] = self.amplifiers.bridges()[motor].map(|leg| match leg.side {
-            Side::Main => counts(self.compare[leg.channel]),
-            Side::Complement => counts(self.reload) - counts(self.compare[leg.channel]),
+        let [forward, back] = self.bridges[motor].map(|leg| {
+            let compare = counts(self.compare[leg.channel]);
+            if (leg.side == Side::Main) == leg.above { counts(self.reload) - compare } else { compare }
         });
         (forward - back) / 2
     }
@@ -121,7 +121,7 @@ impl Board {
         protects_memory: bool,
     ) -> Result<Self, rigless::soc::Error> {
         let mut chip = Stm32f405::new(seed, settings)?;
-        let (port, _) = wiring::SERIAL;
+        let (port, _) = settings.wiring.serial;
         chip.serial(port).attach(Line::default());
         Ok(Self {
             chip,
@@ -140,7 +140,7 @@ impl Board {
 
     /// The host's end of the serial line.
     pub fn line(&mut self) -> &mut Line {
-        let (port, _) = wiring::SERIAL;
+        let (port, _) = self.chip.settings().wiring.serial;
         self.chip.serial(port).line().expect("attached when the board was made")
     }
 
@@ -163,20 +163,21 @@ impl Board {
     /// another function is a wire to nowhere.
     fn connect(&mut self, at: VirtualNanos) {
         let Inputs { counts, supply, emergency_stop, amplifier_fault, button } = self.inputs;
-        let stop = wiring::EMERGENCY_STOP;
+        let wiring = self.chip.settings().wiring;
+        let stop = wiring.emergency_stop;
         let stop_level = Level::from(emergency_stop);
         self.chip.drive_pin(at, stop.port, stop.pin, Some(stop_level));
-        let fault = wiring::AMPLIFIER_FAULT;
+        let fault = wiring.amplifier_fault;
         let fault_level = Level::from(!amplifier_fault);
         self.chip.drive_pin(at, fault.port, fault.pin, Some(fault_level));
         if let Some((port, pin)) = self.chip.settings().button {
             self.chip.drive_pin(at, port, pin, Some(Level::from(!button)));
         }
         let break_level = self.connected(stop).then_some(stop_level);
-        self.chip.timer(at, wiring::PWM_TIMER, |timer, registers, context| {
+        self.chip.timer(at, wiring.pwm_timer, |timer, registers, context| {
             timer.set_break_input(break_level, registers, context);
         });
-        let encoders = [wiring::PITCH_ENCODER, wiring::YAW_ENCODER];
+        let encoders = [wiring.pitch_encoder, wiring.yaw_encoder];
         for (nth, Encoder { timer, pins }) in encoders.into_iter().enumerate() {
             let edges = counts[nth] - self.turned[nth];
             self.turned[nth] = counts[nth];
@@ -187,39 +188,41 @@ impl Board {
             }
         }
         self.connect_line();
-        let (converter, channel, divider) = wiring::SUPPLY;
+        let (converter, channel) = wiring.supply;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few volts")]
-        let millivolts = (supply / divider * 1000.0).round().max(0.0) as u32;
+        let millivolts = (supply / SUPPLY_DIVIDER * 1000.0).round().max(0.0) as u32;
         self.chip.set_analog(converter, channel, millivolts);
         self.chip.watch_rail(at);
     }
 
     fn connect_line(&mut self) {
-        let (port, pins) = wiring::SERIAL;
+        let (port, pins) = self.chip.settings().wiring.serial;
         self.speaks = pins.into_iter().all(|pin| self.connected(pin));
         self.chip.serial(port).silence(!self.speaks);
     }
 
     /// What the board puts on its connectors at `at`.
     pub fn outputs(&mut self, at: VirtualNanos) -> Outputs {
-        let legs = self.amplifiers.bridges().map(|bridge| {
-            bridge.map(|Leg { channel, side, pin }| {
+        let wiring = self.chip.settings().wiring;
+        let bridges = wiring.bridges(self.amplifiers);
+        let legs = bridges.map(|bridge| {
+            bridge.map(|Leg { channel, side, pin, .. }| {
                 if self.connected(pin) {
-                    self.chip.timer_output(at, wiring::PWM_TIMER, channel, side)
+                    self.chip.timer_output(at, wiring.pwm_timer, channel, side)
                 } else {
                     Drive::Released
                 }
             })
         });
-        let active = self.chip.timer(at, wiring::PWM_TIMER, |timer, _, _| *timer.counter().active());
+        let active = self.chip.timer(at, wiring.pwm_timer, |timer, _, _| *timer.counter().active());
         Outputs {
             at,
             compare: active.compare,
             reload: active.reload,
-            amplifiers: self.amplifiers,
+            bridges,
             legs,
-            enabled: self.driven_high(wiring::AMPLIFIER_ENABLE),
-            lit: self.driven_high(wiring::STATUS_LED),
+            enabled: self.driven_high(wiring.amplifier_enable),
+            lit: self.driven_high(wiring.status_led),
         }
     }
 

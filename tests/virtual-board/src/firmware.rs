@@ -21,6 +21,8 @@ pub struct Firmware {
     symbols: BTreeMap<String, (u64, u64)>,
     /// Executable bytes by address.
     code: BTreeMap<u64, Vec<u8>>,
+    /// What it loads, a section each.
+    loaded: Vec<Vec<u8>>,
     /// \[bytes\] that the flash and the RAM take.
     flash_size: u64,
     ram_size: u64,
@@ -84,6 +86,15 @@ impl Firmware {
         Self::read(&named.unwrap_or_else(|| built("")))
     }
 
+    /// The released image for a board: where `cargo fw-BOARD` puts it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Firmware::read`].
+    pub fn released_for(board: Board) -> Result<Self, Error> {
+        Self::read(&built(&format!("{}/", board.name)))
+    }
+
     /// The released image with the feature `sign-magnitude`: where
     /// `cargo fw --features sign-magnitude --target-dir target/sign-magnitude` puts it.
     ///
@@ -132,13 +143,15 @@ impl Firmware {
         Self::read(&built(&format!("{}-sim/", board.name)))
     }
 
-    /// The board for which it was built: its file has the name of the chip that it tells to its host.
+    /// The board for which it was built: what it loads has the name of the chip that it tells to its host, and
+    /// its own, which it logs; the longer, where one is the end of the other.
     pub fn board(&self) -> Board {
-        let told = |board: &Board| {
-            let chip = board.chip.as_bytes();
-            self.bytes.windows(chip.len()).any(|bytes| bytes == chip)
+        let has = |word: &str| {
+            let word = word.as_bytes();
+            self.loaded.iter().any(|section| section.windows(word.len()).any(|bytes| bytes == word))
         };
-        board::ALL.into_iter().find(told).unwrap_or_default()
+        let told = board::ALL.into_iter().filter(|board| has(board.chip) && has(board.name));
+        told.max_by_key(|board| board.name.len()).unwrap_or_default()
     }
 
     fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
@@ -156,7 +169,7 @@ impl Firmware {
             }
             symbols.insert(name, (address, symbol.size()));
         }
-        let mut code = BTreeMap::new();
+        let (mut code, mut contents) = (BTreeMap::new(), Vec::new());
         let (mut flash_size, mut ram_size) = (0, 0);
         for section in elf.sections() {
             let object::SectionFlags::Elf { sh_flags, .. } = section.flags() else {
@@ -170,6 +183,7 @@ impl Firmware {
             let in_ram = section.address() >= crate::chip::SRAM.0;
             if loaded {
                 flash_size += section.size();
+                contents.extend(section.data().map(<[u8]>::to_vec));
             }
             if in_ram {
                 ram_size += section.size();
@@ -183,7 +197,17 @@ impl Firmware {
         let compiler = elf.section_by_name(".comment").and_then(|section| section.data().ok().map(compiler));
         let compiler = compiler.unwrap_or_default();
         let image = Image::new(path, bytes.clone(), None).map_err(|why| refuse(why.to_string()))?;
-        Ok(Self { image, bytes: bytes.into(), functions, symbols, code, flash_size, ram_size, compiler })
+        Ok(Self {
+            image,
+            bytes: bytes.into(),
+            functions,
+            symbols,
+            code,
+            loaded: contents,
+            flash_size,
+            ram_size,
+            compiler,
+        })
     }
 
     /// What the emulator loads.

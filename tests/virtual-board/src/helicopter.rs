@@ -10,7 +10,7 @@ use twinrotor_sim::scenario::Now;
 
 use crate::board::{Inputs, Outputs};
 use crate::machine::Rig;
-use crate::wiring;
+use crate::wiring::SUPPLY_DIVIDER;
 
 /// The converter's whole scale, and its reference \[V\].
 const ADC_SCALE: f32 = 4095.0;
@@ -125,12 +125,11 @@ impl Rig for Helicopter {
 
 /// \[V\] What the board's converter makes of a supply \[V\].
 fn measured(supply: f64) -> f32 {
-    let (_, _, divider) = wiring::SUPPLY;
     // As the converter's model has it: whole millivolts at the pin, then whole codes.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few volts")]
-    let millivolts = (supply / divider * 1000.0).round().max(0.0) as u32;
+    let millivolts = (supply / SUPPLY_DIVIDER * 1000.0).round().max(0.0) as u32;
     let code = u16::try_from((millivolts * 4095 / 3300).min(4095)).expect("12 bits");
     #[expect(clippy::cast_possible_truncation, reason = "11, exactly")]
-    let divider = divider as f32;
+    let divider = SUPPLY_DIVIDER as f32;
     f32::from(code) * (ADC_REFERENCE * divider / ADC_SCALE)
 }

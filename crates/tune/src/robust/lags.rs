@@ -68,7 +68,7 @@ impl Trial {
         stop: Stop<'_>,
     ) -> Option<Vec<LagRow>> {
         let row = |multiple: f64| {
-            Some(LagRow::new(multiple, &self.with_lags(multiple).supervised(controller, stop)?))
+            Some(LagRow::new(multiple, &self.with_lags(multiple).scores_until(controller, stop)?))
         };
         multiples.iter().copied().map(row).collect()
     }

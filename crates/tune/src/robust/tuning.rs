@@ -80,7 +80,7 @@ impl<'a> Robust<'a> {
                 self.count(0, trial.plants.len());
                 continue;
             }
-            row.lags.push(LagRow::new(*multiple, &trial.supervised(controller, stop)?));
+            row.lags.push(LagRow::new(*multiple, &trial.scores_until(controller, stop)?));
             self.count(trial.plants.len(), 0);
         }
         Some(raised(&row))

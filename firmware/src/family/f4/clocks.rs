@@ -53,5 +53,8 @@ pub(crate) fn stand_still_at_breakpoints() {
         w.set_iwdg(true);
         w.set_tim5(true);
     });
-    pac::DBGMCU.apb2fzr().modify(|w| w.set_tim1(true));
+    pac::DBGMCU.apb2fzr().modify(|w| match BOARD.wiring.pwm_timer.as_bytes() {
+        b"TIM1" => w.set_tim1(true),
+        _ => w.set_tim8(true),
+    });
 }

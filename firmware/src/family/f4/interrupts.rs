@@ -3,17 +3,10 @@
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::Interrupt;
 
-/// The tick: TIM1's update.
-pub(crate) const TICK: Interrupt = Interrupt::TIM1_UP_TIM10;
 /// The supply's voltage detector.
 pub(crate) const SUPPLY: Interrupt = Interrupt::PVD;
 /// Word from the tick to the thread: the chip has no other use for this one.
 pub(crate) const WORD: Interrupt = Interrupt::SDIO;
-
-#[interrupt]
-fn TIM1_UP_TIM10() {
-    crate::tick::tick();
-}
 
 #[interrupt]
 fn PVD() {

@@ -12,10 +12,6 @@ mod supply;
 pub(crate) use clocks::{configuration, stand_still_at_breakpoints};
 pub(crate) use supply::{detect_low_supply, reset_cause, supply_is_low};
 
-/// Of the emergency stop's pin: TIM1's break input.
-#[cfg(not(feature = "simulated"))]
-pub(crate) const BREAK_FUNCTION: u8 = 1;
-
 /// The break input has no filter.
 #[cfg(not(feature = "simulated"))]
 pub(crate) fn filter_break(_: &mut embassy_stm32::pac::timer::regs::BdtrAdv) {}

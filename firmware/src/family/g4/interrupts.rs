@@ -3,17 +3,10 @@
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::Interrupt;
 
-/// The tick: TIM1's update.
-pub(crate) const TICK: Interrupt = Interrupt::TIM1_UP_TIM16;
 /// The supply's voltage detector.
 pub(crate) const SUPPLY: Interrupt = Interrupt::PVD_PVM;
 /// Word from the tick to the thread: the chip has no other use for this one.
 pub(crate) const WORD: Interrupt = Interrupt::UCPD1;
-
-#[interrupt]
-fn TIM1_UP_TIM16() {
-    crate::tick::tick();
-}
 
 #[interrupt]
 fn PVD_PVM() {

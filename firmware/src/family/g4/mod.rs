@@ -12,10 +12,6 @@ mod supply;
 pub(crate) use clocks::{configuration, stand_still_at_breakpoints};
 pub(crate) use supply::{detect_low_supply, reset_cause, supply_is_low};
 
-/// Of the emergency stop's pin: TIM1's break input (datasheet DS12288, table 13).
-#[cfg(not(feature = "simulated"))]
-pub(crate) const BREAK_FUNCTION: u8 = 6;
-
 /// The longest filter, 8 samples at a 32nd of the timer's clock: the stop acts after 1.5 µs (28.6.20).
 #[cfg(not(feature = "simulated"))]
 pub(crate) fn filter_break(w: &mut embassy_stm32::pac::timer::regs::BdtrAdv) {

@@ -43,7 +43,7 @@ pub(super) struct Args {
     /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
     #[arg(long, default_value = "aero2", help_heading = "Rig")]
     preset: String,
-    /// Board: f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
+    /// Board: f405, feather-f405, f407, black-pill, nucleo-f411, nucleo-f446 or nucleo-g474
     #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
     board: Board,
     /// Gains: 'paper' (Table 4) or a gains file [default: the preset's own]

@@ -11,9 +11,10 @@ use twinrotor::plant::presets::{self, Rig};
 use virtual_board::figures::{Figures, InFlight};
 use virtual_board::firmware::Firmware;
 use virtual_board::helicopter::Helicopter;
-use virtual_board::machine::{Machine, Setup, TICK};
+use virtual_board::machine::{Machine, Setup};
 use virtual_board::profile::{self, Profile, STEPS};
 use virtual_board::station::Station;
+use virtual_board::wiring::TICK;
 use virtual_board::{flight, in_c, record};
 
 fn main() -> ExitCode {

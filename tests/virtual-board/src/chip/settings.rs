@@ -2,6 +2,7 @@
 //! must do with every one of them.
 
 use super::parts::Part;
+use crate::wiring::Wiring;
 use twinrotor::board::{self, Board};
 
 /// Where in its tolerance the supply's voltage detector lies, datasheet DS8626 table 19.
@@ -60,6 +61,8 @@ pub struct Settings {
     pub stream_stop: StreamStop,
     /// The user button's port (A is 0) and pin, which it connects to ground.
     pub button: Option<(usize, u8)>,
+    /// What is connected where.
+    pub wiring: &'static Wiring,
 }
 
 impl Settings {
@@ -67,11 +70,13 @@ impl Settings {
     /// Black Pill's schematic.
     pub fn of(known: Board) -> Self {
         let (crystal_hz, button) = match known {
+            board::FEATHER_F405 => (12_000_000, None),
             board::BLACK_PILL => (25_000_000, Some((0, 0))),
             board::NUCLEO_F411 | board::NUCLEO_F446 => (8_000_000, Some((2, 13))),
             _ => (8_000_000, None),
         };
-        Self { part: Part::of(known), crystal_hz, button, ..Self::default() }
+        let wiring = Wiring::of(known);
+        Self { part: Part::of(known), crystal_hz, button, wiring, ..Self::default() }
     }
 }
 
@@ -85,6 +90,7 @@ impl Default for Settings {
             lsi_hz: 32_000,
             stream_stop: StreamStop::default(),
             button: None,
+            wiring: Wiring::of(Board::default()),
         }
     }
 }

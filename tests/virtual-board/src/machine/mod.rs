@@ -35,9 +35,6 @@ pub use rig::{AtRest, Rig};
 /// One millisecond of virtual time.
 pub const MILLISECOND: u64 = 1_000_000;
 
-/// The control tick: TIM1's update interrupt.
-pub const TICK: &str = "TIM1_UP_TIM10";
-
 /// Where the factory has put a part's unique number: RM0090, 39.1.
 const SERIAL_ADDRESS: u64 = 0x1FFF_7A10;
 /// This part's.
@@ -79,14 +76,14 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// `firmware` alone, its tick in TIM1's update interrupt.
+    /// `firmware` alone, on its board.
     pub fn new(firmware: Firmware) -> Self {
         let settings = Settings::of(firmware.board());
         Self {
             firmware,
             images: vec![(SERIAL_ADDRESS, SERIAL.to_vec())],
             amplifiers: Amplifiers::default(),
-            tick: TICK,
+            tick: settings.wiring.tick,
             settings,
             seed: 1,
             refusals_allowed: false,

@@ -3,6 +3,7 @@
 //! amplifiers.
 
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::board::FEATHER_F405;
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive as Amplifier;
 use twinrotor::encoder::CounterWidth;
@@ -245,11 +246,35 @@ fn sign_magnitude_flies_on_the_board_as_on_the_host() {
     assert_equal_on(sign_magnitude(), &rig, &parameters, &[STEP, BACK]);
 }
 
+/// A Feather with a rig: its PWM is another timer's, one motor's inputs are the complements of two of its
+/// channels, and its encoders and its serial line have other ports than everybody's.
+fn feather() -> Setup {
+    Setup::new(Firmware::released_for(FEATHER_F405).unwrap_or_else(|why| panic!("{why}")))
+}
+
+#[test]
+fn a_feather_flies_on_its_own_pins_as_on_the_host() {
+    let (rig, parameters) = record::tuned(record::BUILT_IN);
+    assert_equal_on(feather(), &rig, &parameters, &[STEP, BACK]);
+}
+
+#[test]
+fn a_feather_checks_its_wires_and_obeys_the_emergency_stop() {
+    checks_and_stops(feather(), |_| true);
+}
+
 #[test]
 fn sign_magnitude_never_drives_both_inputs_of_a_bridge_and_obeys_the_emergency_stop() {
+    let high = |leg: Drive| leg.share_high().is_some_and(|share| share > 0.0);
+    checks_and_stops(sign_magnitude(), |bridge| !bridge.into_iter().all(high));
+}
+
+/// The first-power check passes, a step is flown in which both directions are driven and all bridges are as
+/// they `may` be, and the emergency stop ends it.
+fn checks_and_stops(setup: Setup, may: impl Fn([Drive; 2]) -> bool) {
     let (rig, parameters) = record::tuned(record::BUILT_IN);
     let unchecked = Parameters { checked: false, ..parameters };
-    let mut station = start(sign_magnitude().with_image(ADDRESS, image(&[unchecked])), &rig);
+    let mut station = start(setup.with_image(ADDRESS, image(&[unchecked])), &rig);
     rest(&mut station);
     station.send(&ToBoard::Zero);
     station.run(50);
@@ -262,8 +287,7 @@ fn sign_magnitude_never_drives_both_inputs_of_a_bridge_and_obeys_the_emergency_s
     station.run(1_000);
     assert!(station.machine.outputs().live());
     let (trace, _) = station.machine.trace();
-    let high = |leg: Drive| leg.share_high().is_some_and(|share| share > 0.0);
-    assert!(trace.iter().flat_map(|outputs| outputs.legs).all(|bridge| !bridge.into_iter().all(high)));
+    assert!(trace.iter().flat_map(|outputs| outputs.legs).all(may));
     let turned =
         |sign: f64| trace.iter().any(|outputs| outputs.duty().into_iter().any(|duty| duty * sign > 0.0));
     assert!(turned(1.0) && turned(-1.0), "both directions were driven");

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Faults, Injection};
-use twinrotor::board::{BLACK_PILL, Board, F405, NUCLEO_F411, NUCLEO_F446};
+use twinrotor::board::{BLACK_PILL, Board, F405, FEATHER_F405, NUCLEO_F411, NUCLEO_F446};
 use twinrotor::parameters::Parameters;
 use twinrotor::plant::presets;
 use twinrotor::reference::Reference;
@@ -17,6 +17,7 @@ use twinrotor_station::again::again;
 use twinrotor_station::session::{End, Ending, Event, Leg, Motors, Plan, Session, Write};
 use twinrotor_station::words;
 use virtual_board::board::Inputs;
+use virtual_board::chip::Settings;
 use virtual_board::chip::timer::Drive;
 use virtual_board::firmware::Firmware;
 use virtual_board::machine::{AtRest, Machine, Setup};
@@ -153,7 +154,8 @@ mod every_simulated_rig_flies_on_the_board_as_on_the_host_bit_for_bit {
     }
 }
 
-/// The same rig on another chip, by its own PWM's steps, and its user button, which nothing else knows of.
+/// The same rig on another board, by its own clock and its own PWM's steps, and its user button, if it has
+/// one, which nothing else knows of.
 fn flies_the_hosts_bits_and_its_button_is_the_emergency_stop(known: Board) {
     let firmware = Firmware::simulated_on(known).unwrap_or_else(|why| panic!("{why}"));
     let parameters = parameters(record::BUILT_IN);
@@ -171,13 +173,15 @@ fn flies_the_hosts_bits_and_its_button_is_the_emergency_stop(known: Board) {
     let (end, same) = fly_step(&mut machine, |_| {});
     println!("{}: bit for bit equal over {same} ticks", known.name);
     assert!(end == flown && same > 1_500, "{end:?}, {same} ticks");
-    let (end, _) = fly_step(&mut machine, |machine| machine.rig(|rig: &mut AtRest| rig.0.button = true));
-    let stop = words::condition(Condition::EmergencyStop);
-    let stopped = Ending::Stopped(format!("a fault stopped the flight: {stop}"));
-    assert_eq!(end, End { ending: stopped, motors: Motors::SeenOff });
-    machine.rig(|rig: &mut AtRest| rig.0.button = false);
-    let (end, _) = fly_step(&mut machine, |_| {});
-    assert_eq!(end, flown);
+    if Settings::of(known).button.is_some() {
+        let (end, _) = fly_step(&mut machine, |machine| machine.rig(|rig: &mut AtRest| rig.0.button = true));
+        let stop = words::condition(Condition::EmergencyStop);
+        let stopped = Ending::Stopped(format!("a fault stopped the flight: {stop}"));
+        assert_eq!(end, End { ending: stopped, motors: Motors::SeenOff });
+        machine.rig(|rig: &mut AtRest| rig.0.button = false);
+        let (end, _) = fly_step(&mut machine, |_| {});
+        assert_eq!(end, flown);
+    }
     assert_nothing_left(&mut machine);
 }
 
@@ -194,6 +198,11 @@ fn a_nucleo_f411_flies_the_hosts_bits_and_its_button_is_the_emergency_stop() {
 #[test]
 fn a_black_pill_flies_the_hosts_bits_and_its_key_is_the_emergency_stop() {
     flies_the_hosts_bits_and_its_button_is_the_emergency_stop(BLACK_PILL);
+}
+
+#[test]
+fn a_feather_flies_the_hosts_bits() {
+    flies_the_hosts_bits_and_its_button_is_the_emergency_stop(FEATHER_F405);
 }
 
 /// What was made for a board with another PWM is not flown.

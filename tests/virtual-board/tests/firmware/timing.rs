@@ -2,8 +2,9 @@
 
 use virtual_board::figures::{Figures, InFlight};
 use virtual_board::in_c;
-use virtual_board::machine::{MILLISECOND, TICK};
+use virtual_board::machine::MILLISECOND;
 use virtual_board::profile::{self, Profile, Source};
+use virtual_board::wiring::TICK;
 
 use super::{both, firmware, flying, flying_with};
 
@@ -50,16 +51,8 @@ fn nothing_in_the_tick_can_panic() {
         let frames = source.frames(place);
         let told_nothing = ["rem_by_zero", "overflow", "already_borrowed"];
         assert!(told_nothing.iter().any(|name| panic.contains(name)), "{place:#x}: {panic} {frames:?}");
-        let own = [
-            "Tick::",
-            "tick::",
-            "interrupts::",
-            TICK,
-            "commands::",
-            "Producer::",
-            "Consumer::",
-            "QueueInner::",
-        ];
+        let own =
+            ["Tick::", "tick::", "on_chip::", TICK, "commands::", "Producer::", "Consumer::", "QueueInner::"];
         let of_a_queue = |name: &String| own.iter().any(|prefix| name.starts_with(prefix));
         let queues = frames.iter().all(|(name, _)| of_a_queue(name));
         assert!(queues && !frames.is_empty(), "{place:#x}: {frames:?}");
