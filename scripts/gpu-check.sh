@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # On a machine with an NVIDIA card: every bit against the processor's, then a table of speeds for
-# docs/speed.md, then plain JAX beside it. At most five minutes beside the build. (`--build` only builds, for a machine that reaches no
-# registry: target/gpu-check is all that has to be carried there.)
+# docs/speed.md, then plain JAX beside it. At most five minutes beside the build. (`--build` only builds, for
+# a machine that reaches no registry: target/gpu-check is all that has to be carried there.)
 #
 #     scripts/gpu-check.sh [--build]
 set -euo pipefail

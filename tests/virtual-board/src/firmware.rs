@@ -143,8 +143,8 @@ impl Firmware {
         Self::read(&built(&format!("{}-sim/", board.name)))
     }
 
-    /// The board for which it was built: what it loads has the name of the chip that it tells to its host, and
-    /// its own, which it logs; the longer, where one is the end of the other.
+    /// The board for which it was built: what it loads has the name of the chip that it tells to its host,
+    /// and its own, which it logs; the longer, where one is the end of the other.
     pub fn board(&self) -> Board {
         let has = |word: &str| {
             let word = word.as_bytes();

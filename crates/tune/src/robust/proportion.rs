@@ -66,8 +66,8 @@ mod tests {
         }
     }
 
-    /// What it promises: in 95 of 100 repetitions the bound is above the truth. Exact, by summing over what can
-    /// be seen.
+    /// What it promises: in 95 of 100 repetitions the bound is above the truth. Exact, by summing over what
+    /// can be seen.
     #[test]
     fn the_bound_holds_at_least_as_often_as_it_says() {
         for p in [0.01, 0.2, 0.6] {
