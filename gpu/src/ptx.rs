@@ -3,7 +3,7 @@
 #![allow(unsafe_code, reason = "raw memory and special registers are what a kernel is called with")]
 
 use crate::integral::{self, INTEGRATED};
-use crate::robust::{CUT, FLOWN, Given, TRACE, cut, flight, to_words, trace, usual};
+use crate::robust::{FLOWN, Given, TRACE, flight, to_words, trace, usual};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x, trap};
 use core::slice;
 
@@ -71,7 +71,6 @@ macro_rules! kernels {
 kernels! {
     robust_any: FLOWN, |given, k| flight(given, k, Some).as_ref().map(to_words);
     robust_usual: FLOWN, |given, k| flight(given, k, usual).as_ref().map(to_words);
-    robust_cut: CUT, cut;
     robust_trace: TRACE, trace;
     integral_ideal: INTEGRATED, integral::ideal;
     integral_rig: INTEGRATED, integral::rig;

@@ -15,9 +15,9 @@ use twinrotor::plant::presets::{Envelope, PAPER};
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
-use twinrotor_sim::closed_loop::{BoardLoop, RigLoop, Tick};
+use twinrotor_sim::closed_loop::{RigLoop, Tick};
 use twinrotor_sim::guard::Guard;
-use twinrotor_sim::judged::{self, Course, Ended, Flown, Rules, fly};
+use twinrotor_sim::judged::{Course, Ended, Flown, Rules, fly};
 use twinrotor_sim::metrics::Settling;
 
 /// What all flights of a launch have in common.
@@ -228,26 +228,15 @@ pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
     Some([u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])])
 }
 
-/// Words of what [`cut`] finds.
-pub const CUT: usize = 2;
-
-/// Flies the flight of this number as the board does, and says whether its supervisor ends it: the tick and
-/// the condition's number, or [`u32::MAX`] twice.
-#[inline(always)]
-pub fn cut(given: &Given<'_>, number: u32) -> Option<[u32; CUT]> {
-    let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
-    let board = BoardLoop::new(plant, &common.hardware(phase.map(f64::from)), &settings);
-    let ended = judged::cut(board, disturbance, &common.rules(), course);
-    Some(ended_words(ended))
-}
+/// Words of where the board ends a flight: the tick and the condition's number, or [`u32::MAX`] twice.
+const CUT: usize = 2;
 
 #[inline(always)]
 fn ended_words(ended: Option<Ended>) -> [u32; CUT] {
     ended.map_or([u32::MAX; CUT], |ended| [ended.tick, ended.condition as u32])
 }
 
-/// What the words of [`cut`] say.
-pub fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
+fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
     let condition = *Condition::ALL.get(condition as usize)?;
     Some(Ended { tick, condition })
 }

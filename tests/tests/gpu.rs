@@ -60,10 +60,8 @@ fn a_device_gives_the_scores_of_this_processor() {
         let rivals = CATALOGUE.iter().filter(|_| name == "aero-lab").map(|(_, design)| design(&rig));
         for controller in rivals.chain([ours]) {
             let here = trial.scores(&controller);
+            cut += here.iter().filter(|score| score.cut.is_some()).count();
             assert_eq!(device.scores_until(&controller, NEVER), Some(here), "{name}, {controller:?}");
-            let cuts = trial.cuts(&controller, NEVER);
-            assert_eq!(device.cuts(&controller, NEVER), cuts, "{name}, {controller:?}");
-            cut += cuts.unwrap().iter().flatten().count();
         }
         assert_eq!(card.failure(), None);
     }

@@ -1,7 +1,7 @@
 //! Something that flies many flights at once beside this processor's lanes, with the same bits: a GPU.
 
 use crate::flight::Fidelity;
-use crate::judged::{Course, Ended, Flown, Rules};
+use crate::judged::{Course, Flown, Rules};
 use crate::metrics::{Criterion, Integral};
 use std::fmt::Debug;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -112,7 +112,4 @@ pub trait Device: Debug + Send + Sync {
 
     /// What came of every candidate, on the same terms.
     fn integrals(&self, work: &Integrals<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Integrated>>;
-
-    /// For every flight whether and how a board would end it, in the same order and on the same terms.
-    fn cuts(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Option<Ended>>>;
 }

@@ -3,13 +3,13 @@
 //!
 //! One copy for the lanes of the tuner and for a GPU's threads, over any [`Real`] in single precision.
 
-use crate::closed_loop::{BoardLoop, ClosedLoop, RigLoop, Tick};
+use crate::closed_loop::{ClosedLoop, RigLoop, Tick};
 use crate::guard::Guard;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::plant::presets::Envelope;
 use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
-use twinrotor::supervisor::{ArmState, Condition};
+use twinrotor::supervisor::Condition;
 
 use crate::metrics::{Overshoot, Settling};
 
@@ -203,29 +203,6 @@ pub struct Ended {
     pub tick: u32,
     /// What the motors were cut for.
     pub condition: Condition,
-}
-
-/// Flies as the board does, with its supervisor, which cuts motors, until it does so; `None` if it does not.
-#[inline(always)]
-pub fn cut(
-    mut board: BoardLoop,
-    disturbance: PerMotor<f32>,
-    rules: &Rules,
-    mut course: impl Course,
-) -> Option<Ended> {
-    let mut asked = Reference::default();
-    for tick in 0..rules.end {
-        asked = course.asked(tick).unwrap_or(asked);
-        if rules.hot && tick == 1 {
-            board.warm(f32::from_f64(HOT));
-        }
-        let push = course.push(tick).map_or(PerMotor::zero(), |part| disturbance.scaled(part));
-        board.tick(&asked, push);
-        if let Some(ArmState::Fault(condition)) = board.arm_state() {
-            return Some(Ended { tick, condition });
-        }
-    }
-    None
 }
 
 /// Hidden from the optimiser: it would compile the loop once for every combination of laws, estimators and

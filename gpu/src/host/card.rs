@@ -4,7 +4,7 @@
 use super::driver::{Argument, Driver, Fault};
 use super::work::{Work, plant_length, plant_words};
 use crate::integral;
-use crate::robust::{self, ended, usual};
+use crate::robust::{self, usual};
 use std::string::{String, ToString};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ use std::vec::Vec;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor_sim::device::{Batch, Device, Draw, Integrals, Integrated};
 use twinrotor_sim::flight::Fidelity;
-use twinrotor_sim::judged::{Ended, Flown};
+use twinrotor_sim::judged::Flown;
 
 /// Most flights of a launch: a fraction of a second, so that a stop is heard.
 const MOST: usize = 1 << 20;
@@ -176,10 +176,6 @@ impl<D: Driver> Device for Card<D> {
         let usual = batch.controllers.iter().all(|controller| usual(*controller).is_some());
         let name = if usual { "robust_usual" } else { "robust_any" };
         self.run(&Kernel { name, read: robust::from_words }, Work::of_batch(batch), stop)
-    }
-
-    fn cuts(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Option<Ended>>> {
-        self.run(&Kernel { name: "robust_cut", read: ended }, Work::of_batch(batch), stop)
     }
 
     fn integrals(&self, work: &Integrals<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Integrated>> {

@@ -149,7 +149,6 @@ impl Driver for StandIn {
             "integral_ideal" => integral::ideal(&given, k).map(|words| words.to_vec()),
             "integral_rig" => integral::rig(&given, k).map(|words| words.to_vec()),
             "robust_trace" => robust::trace(&given, k).map(|words| words.to_vec()),
-            "robust_cut" => robust::cut(&given, k).map(|words| words.to_vec()),
             _ => None,
         };
         let mut words = out.words.lock().map_err(|_| lost("out of order"))?;

@@ -9,21 +9,20 @@ use std::time::Instant;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
 use twinrotor::{defaults, gains};
-use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop, Tick};
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
 use twinrotor_sim::error::known_name;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
-use twinrotor_sim::guard::Guard;
 use twinrotor_sim::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
 use twinrotor_sim::metrics::{Criterion, Integral};
 use twinrotor_sim::operation_count::{Counted, operations};
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
+use twinrotor_sim::watch;
 use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::integral::Objective;
 use twinrotor_tune::optimise::Candidate;
@@ -111,7 +110,7 @@ fn measure(named: &NamedRig) -> Outcome<Document> {
     let (single, double) = (scenario.references::<f32>(), scenario.references::<f64>());
     let (ideal_operations, rig_operations) = (count(ideal_loop(named)), count(rig_loop(named)));
     let own = Settings::new(&named.rig, controller(named)?, SAMPLE_TIME).map(f32::from_f64);
-    let preset = |watched| in_lanes(Own { rig: &named.rig, settings: &own, references: &single, watched });
+    let preset = |watched| watch::fly(&named.rig, &own, &single, watched);
     let runs: [(&'static str, u64, Run<'_>); 8] = [
         ("f64-ideal", ideal_operations, Box::new(|| fly(&double, ideal_loop::<f64>(named)))),
         ("f32-ideal", ideal_operations, Box::new(|| fly(&single, ideal_loop::<f32>(named)))),
@@ -160,63 +159,6 @@ fn controller(named: &NamedRig) -> Outcome<ControllerSettings<f64>> {
     }
     let design = known_name("controller", "integral", &CATALOGUE)?;
     Ok(design(&named.rig))
-}
-
-/// That controller's flights in lanes, as the robust objective flies them.
-struct Own<'a> {
-    rig: &'a Rig,
-    settings: &'a Settings<f32>,
-    references: &'a [Reference<f32>],
-    watched: bool,
-}
-
-impl Lanewise for Own<'_> {
-    /// Steps flown.
-    type Output = usize;
-    #[inline(always)]
-    fn run<R: Real<Scalar = f32>>(self) -> usize {
-        let settings = self.settings.map(R::splat);
-        let hardware = Hardware::of(self.rig, PerAxis::both(0.5));
-        let mut guard = Guard::new(&settings, &hardware);
-        if self.watched {
-            self.fly(
-                &settings,
-                &hardware,
-                #[inline(always)]
-                |tick, happened| guard.see(tick, happened),
-            );
-            assert_eq!(guard.ended(0), None, "a preset's controller on its own rig");
-        } else {
-            self.fly(
-                &settings,
-                &hardware,
-                #[inline(always)]
-                |_, _| {},
-            );
-        }
-        self.references.len() * LANES
-    }
-}
-
-impl Own<'_> {
-    #[inline(always)]
-    fn fly<R: Real<Scalar = f32>>(
-        &self,
-        settings: &Settings<R>,
-        hardware: &Hardware,
-        mut see: impl FnMut(u32, &Tick<R>),
-    ) {
-        let plant = RealPlant::new(&self.rig.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-        let mut closed_loop = RigLoop::new(plant, hardware, settings);
-        let mut squares = PerAxis::zero();
-        for (tick, reference) in (0..).zip(self.references) {
-            let happened = black_box(&mut closed_loop).tick(&Reference::splat(reference), PerMotor::zero());
-            see(tick, &happened);
-            let error = happened.error();
-            squares = squares.plus(error.zip(error, |a, b| a * b));
-        }
-        black_box(squares);
-    }
 }
 
 /// Independent additions and multiplications, as many at a time as a core can have under way.

@@ -48,8 +48,7 @@ examples! {
         "host-sim pareto --preset aero2 --out front";
     MAP "tuning.md":
         "host-sim map --gains paper --objective ise --parameters pitch.position,pitch.rate\n\
-         \x20 host-sim map --preset aero2 --gains gains/aero2.toml \\\n\
-         \x20   --parameters pitch.position,pitch.rate --plot map.png";
+         \x20 host-sim map --preset aero2 --gains mine.toml --parameters pitch.rate,yaw.rate --plot map.png";
     MARGINS "rig-law.md":
         "host-sim margins --preset aero2 --gains gains/aero2.toml";
     REPRODUCE "paper.md":

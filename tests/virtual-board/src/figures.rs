@@ -117,7 +117,7 @@ impl Figures {
             ("tick_instructions_median", papers.tick_median, 800),
             ("tick_instructions_max", papers.tick_max, 1_850),
             ("rig_tick_instructions_median", rigs.tick_median, 1_500),
-            ("rig_tick_instructions_max", rigs.tick_max, 2_350),
+            ("rig_tick_instructions_max", rigs.tick_max, 2_300),
             ("stack_bytes_used", papers.stack_bytes_used.max(rigs.stack_bytes_used), rigs.stack_bytes / 2),
         ];
         if let Some((name, value, most)) = budget.into_iter().find(|(_, value, most)| value > most) {

@@ -1,19 +1,11 @@
-//! Flights that a board ends: what the lanes say of them (`crates/sim/src/guard.rs`), and the same once more
-//! by the board's own loop.
+//! Flights that a board ends, as lanes and devices say of them (`crates/sim/src/guard.rs`).
 
+use super::Scene;
 use super::scenes::{Course, SCENES, STEP};
-use super::{Draw, Scene, Trial};
-use crate::parallel::{self, Stop};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
-use twinrotor::axes::PerAxis;
-use twinrotor::controller::ControllerSettings;
-use twinrotor::pipeline::Settings;
-use twinrotor::plant::{RealPlant, State};
 use twinrotor::supervisor::Condition;
-use twinrotor_sim::closed_loop::{BoardLoop, Hardware};
-use twinrotor_sim::device::changes;
-use twinrotor_sim::judged::{self, Ended};
+use twinrotor_sim::judged::Ended;
 use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// A flight's name. By another name than its own, so that serde does not take it for text that it may borrow.
@@ -38,43 +30,6 @@ fn flight<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> 
     known.ok_or_else(|| D::Error::custom("a flight of no such name"))
 }
 
-impl Trial {
-    /// For each plant, in their order, the first of the trial's flights in which a board would cut the
-    /// motors; nothing if `stop` says so before all have flown.
-    ///
-    /// What [`Score::cut`](super::Score) says, to the tick; but here the board's own loop has flown each
-    /// flight alone, which takes many times as long. It is what the lanes and a device are held against.
-    pub fn cuts(&self, controller: &ControllerSettings<f64>, stop: Stop<'_>) -> Option<Vec<Option<Cut>>> {
-        let settings = self.settings(controller);
-        let courses = Course::all(self);
-        if let Some(device) = self.fitting_device() {
-            let mut cuts = vec![None; self.plants.len()];
-            for course in &courses {
-                let list = changes(course, course.end);
-                let ended = device.cuts(&self.batch(course, &list, &[settings]), stop)?;
-                for (cut, ended) in cuts.iter_mut().zip(ended) {
-                    *cut = cut.or(ended.map(|ended| Cut::of(course, ended)));
-                }
-            }
-            return Some(cuts);
-        }
-        parallel::try_map(&self.plants, |draw| {
-            if stop() {
-                return None;
-            }
-            Some(courses.iter().find_map(|course| self.cut(&settings, course, draw)))
-        })
-    }
-
-    pub(super) fn cut(&self, settings: &Settings<f32>, course: &Course, draw: &Draw) -> Option<Cut> {
-        let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
-        let hardware = Hardware::of(&self.truth, draw.encoder_phase).taken_for(&self.rig, &self.truth);
-        let board = BoardLoop::new(plant, &hardware, settings);
-        let ended = judged::cut(board, draw.disturbance.cast(), &course.rules(self.truth.envelope), course)?;
-        Some(Cut::of(course, ended))
-    }
-}
-
 impl Cut {
     pub(super) fn of(course: &Course, Ended { tick, condition }: Ended) -> Self {
         Self { flight: course.name, condition, time: f64::from(tick) * SAMPLE_TIME }
@@ -84,7 +39,7 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robust::{DISTURBANCE, Scenes};
+    use crate::robust::{DISTURBANCE, Scenes, Trial};
     use twinrotor::defaults;
     use twinrotor::plant::presets::AERO2;
 
@@ -106,6 +61,5 @@ mod tests {
                 "{cut:?}"
             );
         }
-        assert!(trial.cuts(&defaults::AERO2, &|| true).is_none());
     }
 }

@@ -71,7 +71,7 @@ pub struct Setup {
     /// Accesses that the part refuses, with a bus error or because an instance's clock is off, are no
     /// failure: for a firmware that is being wronged.
     pub refusals_allowed: bool,
-    /// The core's memory protection unit takes effect: see [`Board::new`].
+    /// The core's memory protection unit takes effect: see [`Board::new`](crate::board::Board::new).
     pub protects_memory: bool,
 }
 

@@ -6,8 +6,32 @@ use super::*;
 use std::collections::HashMap;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::{PlantParameters, presets};
-use twinrotor::supervisor::Condition;
+use twinrotor::reference::Reference;
+use twinrotor::supervisor::{ArmState, Condition};
 use twinrotor::{defaults, plant::Effectiveness};
+use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop as _};
+use twinrotor_sim::judged::{Ended, HOT};
+
+/// The flight of `draw` by the board's own loop with its supervisor, and where that ends it.
+fn by_the_board(trial: &Trial, settings: &Settings<f32>, course: &Course, draw: &Draw) -> Option<Cut> {
+    let plant = RealPlant::new(&draw.plant, State::at_rest(PerAxis::zero()), SAMPLE_TIME);
+    let hardware = Hardware::of(&trial.truth, draw.encoder_phase).taken_for(&trial.rig, &trial.truth);
+    let mut board = BoardLoop::new(plant, &hardware, settings);
+    let (rules, disturbance) = (course.rules(trial.truth.envelope), draw.disturbance.cast());
+    let mut asked = Reference::default();
+    for tick in 0..rules.end {
+        asked = course.asked(tick).unwrap_or(asked);
+        if rules.hot && tick == 1 {
+            board.warm(f32::from_f64(HOT));
+        }
+        let push = course.push(tick).map_or(PerMotor::zero(), |part| disturbance.scaled(part));
+        board.tick(&asked, push);
+        if let Some(ArmState::Fault(condition)) = board.arm_state() {
+            return Some(Cut::of(course, Ended { tick, condition }));
+        }
+    }
+    None
+}
 
 /// How many of the trial's flights a board ends for each condition, if lanes and board agree on all of them.
 fn agreed(name: &str, trial: &Trial, controller: &ControllerSettings<f64>) -> HashMap<u8, usize> {
@@ -17,7 +41,7 @@ fn agreed(name: &str, trial: &Trial, controller: &ControllerSettings<f64>) -> Ha
         for group in trial.plants.chunks(twinrotor_sim::lanes::LANES) {
             let flown = in_lanes(Flights::new(trial, course, &settings, group)).expect("nothing stops it");
             for (k, (draw, flown)) in group.iter().zip(flown).enumerate() {
-                let (lane, board) = (cut(&flown, course), trial.cut(&settings, course, draw));
+                let (lane, board) = (cut(&flown, course), by_the_board(trial, &settings, course, draw));
                 assert_eq!(lane, board, "{name}, {}, lane {k}: {:?}", course.name, draw.plant);
                 if let Some(cut) = board {
                     *found.entry(cut.condition as u8).or_default() += 1;
