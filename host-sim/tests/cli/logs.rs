@@ -3,6 +3,7 @@
 use super::{host_sim, json};
 use serde_json::Value;
 use std::fs;
+use std::path::Path;
 
 /// `simulate --log` writes what encoders show, whole counts beside the true angle, in names that `identify`
 /// and `replay` read; where there are no encoders there is no log.
@@ -130,4 +131,41 @@ fn the_first_log_of_a_rig_without_gains_is_open_loop() {
     assert!(apart(0) > 0.02 && apart(1) > 0.1, "two rigs: {} {}", apart(0), apart(1));
     let most = |k: usize| one.iter().map(|row| row[k].abs()).fold(0.0, f64::max);
     assert!(most(2) < 8.0 && most(3) < 10.0 && most(2) > 4.0, "{} {}", most(2), most(3));
+}
+
+/// What a body that is no point adds is found in a log that moves enough, and none of it in that of a body
+/// that is one: the truth lies in each interval, and the intervals keep the two apart (docs/rig-law.md, "A
+/// body that is no point"). All that such a body shares with others is held, for a test's time.
+#[test]
+fn a_log_tells_the_terms_of_a_body_that_is_no_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name).display().to_string();
+    let wide = "duration = 20.0\n[pitch.steps]\njumps = [[1, 25], [7, -25], [13, 20], [19, -20]]\n\
+                [yaw.steps]\njumps = [[2, 90], [6, -90], [10, 60], [14, -60], [18, 120]]\n";
+    fs::write(folder.path().join("wide.toml"), wide).unwrap();
+    let tilting = file("rigs/aero2-tilting.toml");
+    let terms = [("tilting_inertia", 0.023_188_5), ("rotor_momentum", 7.1e-4)];
+    let rest = "damping,stiffness,effectiveness,quadratic_effectiveness,rotor_time_constant,rotor_reaction,\
+                coulomb_friction";
+    // Believed is the same rig without the two, and with the cosine on its thrust, or without it.
+    let text = fs::read_to_string(&tilting).unwrap();
+    let lacks = |line: &&str| !terms.iter().any(|(name, _)| line.starts_with(name));
+    let believed: Vec<&str> = text.lines().filter(lacks).collect();
+    fs::write(folder.path().join("believed.toml"), believed.join("\n")).unwrap();
+    for (rig, believed, part) in [(tilting.as_str(), "believed.toml", 1.0), ("aero2", "aero2", 0.0)] {
+        let gains = file("gains/aero2.toml");
+        let flight = ["simulate", "--preset", "aero2", "--true-rig", rig, "--fidelity", "rig"];
+        let more = ["--gains", &gains, "--scenario", "wide.toml", "--log", "wide.csv", "--json"];
+        json(folder.path(), &[&flight[..], &more].concat());
+        let identify = ["identify", "wide.csv", "--preset", believed, "--fix", rest, "--json"];
+        let effort = ["--free", "tilting_inertia,rotor_momentum", "--population", "2", "--iterations", "0"];
+        let found = json(folder.path(), &[&identify[..], &effort].concat());
+        for (name, whole) in terms {
+            let all = found["parameters"].as_array().unwrap();
+            let one = all.iter().find(|one| one["name"] == name).unwrap();
+            let [low, high] = [0, 1].map(|end| one["ci95"][end].as_f64().unwrap());
+            assert!(low <= part * whole && part * whole <= high, "{rig}: {one}");
+            assert!(high - low < 0.5 * whole, "{rig}: {one}");
+        }
+    }
 }
