@@ -32,6 +32,7 @@ pub(crate) fn bench_tuner(
     let problem = Objective::new(Criterion::Ise, &named.rig, &scenario, Fidelity::Ideal, seed);
     let bounds = Bounds::new(vec![PAPER_BOUNDS; NAMES.len()]).map_err(|error| raised(&error))?;
     let peer = py.detach(|| Peer::search(algorithm, &setup, &bounds, &[seed], &problem, &|_| ()));
+    let peer = peer.ok_or_else(nothing)?;
     let Run { cost, position, history, .. } = peer.best();
     if !cost.is_finite() {
         return Err(nothing());
