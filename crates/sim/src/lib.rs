@@ -41,8 +41,6 @@ pub mod scenario;
 pub mod table;
 #[cfg(feature = "std")]
 pub mod toml;
-#[cfg(feature = "std")]
-pub mod watch;
 
 #[cfg(feature = "std")]
 pub use error::{Error, Outcome};

@@ -7,14 +7,11 @@ use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::controller::ControllerSettings;
-use twinrotor::pipeline::Settings;
+use twinrotor::gains;
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
-use twinrotor::{defaults, gains};
 use twinrotor_sim::closed_loop::{BoardLoop, ClosedLoop, Hardware, IdealLoop, RigLoop};
-use twinrotor_sim::error::known_name;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::lanes::{Kernel as Lanewise, LANES, in_lanes, instruction_set};
@@ -22,8 +19,6 @@ use twinrotor_sim::metrics::{Criterion, Integral};
 use twinrotor_sim::operation_count::{Counted, operations};
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
-use twinrotor_sim::watch;
-use twinrotor_tune::design::CATALOGUE;
 use twinrotor_tune::integral::Objective;
 use twinrotor_tune::optimise::Candidate;
 use twinrotor_tune::search::Problem;
@@ -41,17 +36,6 @@ struct Document {
     /// Of one core: independent additions and multiplications in lanes, and nothing else.
     peak_operations_per_second: f64,
     kernels: Vec<Kernel>,
-    watched: Watched,
-}
-
-/// The preset's own controller in lanes, without the supervisor of its board and with it.
-#[derive(Debug, Serialize)]
-struct Watched {
-    /// Median of the rounds, in either case.
-    unwatched_steps_per_second: f64,
-    watched_steps_per_second: f64,
-    /// How much longer a step takes with it.
-    slowdown_percent: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -91,11 +75,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         );
     }
     let peak = document.peak_operations_per_second;
-    let Watched { unwatched_steps_per_second, watched_steps_per_second, slowdown_percent } = document.watched;
     print(&format!(
-        "{}\n{table}\npeak: {peak:.2e} independent additions and multiplications a second in lanes\n\
-         the preset's controller in lanes: {unwatched_steps_per_second:.3e} steps/s, watched by its board's \
-         supervisor {watched_steps_per_second:.3e}: {slowdown_percent:.1} % more time a step\n",
+        "{}\n{table}\npeak: {peak:.2e} independent additions and multiplications a second in lanes\n",
         document.machine
     ))
 }
@@ -109,16 +90,12 @@ fn measure(named: &NamedRig) -> Outcome<Document> {
     let (ideal, rig) = (lanes(Fidelity::Ideal), lanes(Fidelity::Rig));
     let (single, double) = (scenario.references::<f32>(), scenario.references::<f64>());
     let (ideal_operations, rig_operations) = (count(ideal_loop(named)), count(rig_loop(named)));
-    let own = Settings::new(&named.rig, controller(named)?, SAMPLE_TIME).map(f32::from_f64);
-    let preset = |watched| watch::fly(&named.rig, &own, &single, watched);
-    let runs: [(&'static str, u64, Run<'_>); 8] = [
+    let runs: [(&'static str, u64, Run<'_>); 6] = [
         ("f64-ideal", ideal_operations, Box::new(|| fly(&double, ideal_loop::<f64>(named)))),
         ("f32-ideal", ideal_operations, Box::new(|| fly(&single, ideal_loop::<f32>(named)))),
         ("lanes-ideal", ideal_operations, Box::new(|| fly_lanes(&ideal, single.len()))),
         ("f32-rig", rig_operations, Box::new(|| fly(&single, board_loop(named)))),
         ("lanes-rig", rig_operations, Box::new(|| fly_lanes(&rig, single.len()))),
-        ("unwatched", 1, Box::new(|| preset(false))),
-        ("watched", 1, Box::new(|| preset(true))),
         ("peak", 1, Box::new(|| in_lanes(Peak))),
     ];
     let mut rates = vec![Vec::new(); runs.len()];
@@ -136,29 +113,14 @@ fn measure(named: &NamedRig) -> Outcome<Document> {
         rates.sort_by(f64::total_cmp);
         rates[ROUNDS / 2]
     };
-    let mut last = || median(rates.pop().expect("a rate for each run"));
-    let (peak, watched, unwatched) = (last(), last(), last());
+    let peak = median(rates.pop().expect("a rate for each run"));
     let kernels = runs.iter().zip(rates).map(|((name, operations, _), rates)| {
         let steps_per_second = median(rates);
         let share_of_peak = steps_per_second * *operations as f64 / peak;
         Kernel { name, steps_per_second, operations_per_step: *operations, share_of_peak }
     });
     let kernels = kernels.collect();
-    let watched = Watched {
-        unwatched_steps_per_second: unwatched,
-        watched_steps_per_second: watched,
-        slowdown_percent: 100.0 * (unwatched / watched - 1.0),
-    };
-    Ok(Document { machine: machine(), peak_operations_per_second: peak, kernels, watched })
-}
-
-/// What boards boot with on this preset; on a rig of one's own what `tune` starts from.
-fn controller(named: &NamedRig) -> Outcome<ControllerSettings<f64>> {
-    if let Some(controller) = defaults::named(&named.name) {
-        return Ok(controller);
-    }
-    let design = known_name("controller", "integral", &CATALOGUE)?;
-    Ok(design(&named.rig))
+    Ok(Document { machine: machine(), peak_operations_per_second: peak, kernels })
 }
 
 /// Independent additions and multiplications, as many at a time as a core can have under way.

@@ -1,25 +1,19 @@
-//! A controller's flights in lanes without the supervisor of its board and with it: what that costs.
+//! What the board's supervisor costs in lanes: `cargo bench -p host-sim --bench supervisor`. Each preset's
+//! controller, as boards boot with it, flies a second of the step without it and with it.
 
-use crate::closed_loop::{ClosedLoop, Hardware, RigLoop, Tick};
-use crate::guard::Guard;
-use crate::lanes::{Kernel, LANES, in_lanes};
-use crate::scenario::SAMPLE_TIME;
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::defaults;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::Rig;
+use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
-
-/// Flies these references on `rig` in every lane, and how many steps that were.
-///
-/// # Panics
-///
-/// If a watched flight is cut: a controller is measured on its own rig.
-pub fn fly(rig: &Rig, settings: &Settings<f32>, references: &[Reference<f32>], watched: bool) -> usize {
-    in_lanes(Own { rig, settings, references, watched })
-}
+use twinrotor_sim::closed_loop::{ClosedLoop, Hardware, RigLoop, Tick};
+use twinrotor_sim::guard::Guard;
+use twinrotor_sim::lanes::{Kernel, LANES, in_lanes};
+use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
 
 /// That controller's flights in lanes, as the robust objective flies them.
 #[derive(Clone, Copy)]
@@ -78,3 +72,23 @@ impl Own<'_> {
         black_box(squares);
     }
 }
+
+fn benches(bench: &mut Criterion) {
+    let mut scenario = Scenario::named("step").expect("a scenario of the paper's");
+    scenario.duration = 1.0;
+    let references = scenario.references::<f32>();
+    for (name, rig) in presets::ALL {
+        let controller = defaults::named(name).expect("every preset has one");
+        let settings = Settings::new(&rig, controller, SAMPLE_TIME).map(f32::from_f64);
+        let mut group = bench.benchmark_group(name);
+        group.throughput(Throughput::Elements((references.len() * LANES) as u64));
+        for (told, watched) in [("alone", false), ("watched", true)] {
+            let own = Own { rig: &rig, settings: &settings, references: &references, watched };
+            group.bench_function(told, |b| b.iter(|| in_lanes(own)));
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(supervisor, benches);
+criterion_main!(supervisor);
