@@ -81,7 +81,7 @@ pub struct Flown {
     pub left_envelope: bool,
     /// More than a turn astray, or an angle not finite.
     pub diverged: bool,
-    /// Where a board would have ended it, as [`cut`] says.
+    /// Where a board would have ended it.
     pub ended: Option<Ended>,
 }
 

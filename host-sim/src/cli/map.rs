@@ -1,5 +1,6 @@
 //! `map`: what the cost is around a controller, over two of its numbers.
 
+use super::bench_tuners::Goal;
 use super::choices;
 use super::common::{Checkpoint, Common, Device, bar, drawn, no_effect, within};
 use super::{print, print_json};
@@ -50,7 +51,7 @@ pub(super) struct Args {
     parameters: Vec<String>,
     /// What is mapped: J on drawn plants, or the paper's ISE of its four gains in 1 to 25
     #[arg(long, default_value = "robust")]
-    objective: super::bench_tuners::Goal,
+    objective: Goal,
     /// Robust: on how many plants [default: 32]
     #[arg(long, value_name = "N")]
     plants: Option<usize>,
@@ -84,7 +85,7 @@ struct Place {
 #[derive(Debug, Serialize)]
 struct Document<'a> {
     preset: &'a str,
-    objective: super::bench_tuners::Goal,
+    objective: Goal,
     seed: u64,
     plants: Option<usize>,
     cells: usize,
@@ -128,7 +129,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     args.checkpoint.check(&mut outputs)?;
     match args.objective {
-        super::bench_tuners::Goal::Ise => {
+        Goal::Ise => {
             let gains = paper_gains(args, &file)?;
             let step = Scenario::named("step")?;
             let seed = args.common.seed;
@@ -136,14 +137,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             let ground = of_ise(args, &file, gains, problem.on(found.device()))?;
             explore(args, &named, &file, &ground, &found, outputs)
         }
-        super::bench_tuners::Goal::Robust => {
+        Goal::Robust => {
             let plants = within("--plants", args.plants.unwrap_or(32), 1, 100_000)?;
             let tunable = Tunable::new(&file.controller, &args.parameters)?;
             let allowance = robust::allowance(&named.name, &named.rig);
             let scenes = args.scenes.map_or(robust::Scenes::Step, Into::into);
             let trial =
                 Trial::new(&named.rig, plants, args.common.seed, allowance).flying(scenes).on(found.device());
-            let ground = of_j(args, &trial, &tunable)?;
+            let ground = of_j(args, &file, &trial, &tunable)?;
             explore(args, &named, &file, &ground, &found, outputs)
         }
     }
@@ -166,28 +167,25 @@ fn paper_gains(args: &Args, file: &GainsFile) -> Outcome<Gains<f64>> {
     })
 }
 
-/// The two that were named, in their order, of all that `tunable` has.
-fn two(args: &Args, tunable: &Tunable) -> Outcome<[usize; 2]> {
-    let names = tunable.names();
-    let place = |wanted: &String| names.iter().position(|name| name == wanted);
-    match &args.parameters[..] {
-        [across, up] if across != up => match (place(across), place(up)) {
-            (Some(across), Some(up)) => Ok([across, up]),
-            _ => Err(two_names(&names)),
-        },
-        _ => Err(two_names(&names)),
+/// The two that were named, in their order, by their places among those of `tunable`.
+fn two(args: &Args, file: &GainsFile, tunable: &Tunable) -> Outcome<[usize; 2]> {
+    let place = |wanted: &String| tunable.names().iter().position(|name| name == wanted);
+    if let [across, up] = &args.parameters[..]
+        && across != up
+        && let (Some(across), Some(up)) = (place(across), place(up))
+    {
+        return Ok([across, up]);
     }
-}
-
-fn two_names(names: &[&str]) -> Failure {
-    Failure::Input(format!("--parameters; allowed: two different ones of {}", names.join(", ")))
+    let all = Tunable::new(&file.controller, &[])?.names().join(", ");
+    let given = args.parameters.join(",");
+    Err(Failure::Input(format!("--parameters is {given}; allowed: two different ones of {all}")))
 }
 
 fn of_ise<'a>(args: &Args, file: &GainsFile, gains: Gains<f64>, problem: Objective) -> Outcome<Ground<'a>> {
     // By name they stand in the paper's order: pitch before yaw, position before rate.
     let tunable = Tunable::new(&file.controller, &["pitch".to_owned(), "yaw".to_owned()])?;
     let order = gains.to_paper_order();
-    let [across, up] = two(args, &tunable)?;
+    let [across, up] = two(args, file, &tunable)?;
     let [from, to] = gains::PAPER_BOUNDS;
     Ok(Ground {
         problem: Box::new(problem),
@@ -207,18 +205,15 @@ fn of_ise<'a>(args: &Args, file: &GainsFile, gains: Gains<f64>, problem: Objecti
     })
 }
 
-fn of_j<'a>(args: &Args, trial: &'a Trial, tunable: &'a Tunable) -> Outcome<Ground<'a>> {
+fn of_j<'a>(args: &Args, file: &GainsFile, trial: &'a Trial, tunable: &'a Tunable) -> Outcome<Ground<'a>> {
     let range = at_least("--range", args.range.unwrap_or(4.0), 1.0, true)?;
-    let [across, up] = match tunable.names().len() {
-        2 => two(args, tunable)?,
-        _ => return Err(two_names(&tunable.names())),
-    };
+    let [across, up] = two(args, file, tunable)?;
     let reach = range.ln();
     let plants = trial.plants.len();
     Ok(Ground {
         problem: Box::new(Robust::new(trial, tunable)),
         position: Box::new(move |[x, y]| {
-            let mut position = vec![0.0; 2];
+            let mut position = vec![0.0; tunable.names().len()];
             position[across] = x;
             position[up] = y;
             position
@@ -331,7 +326,7 @@ fn tell(
             preset: &named.name,
             objective: args.objective,
             seed: args.common.seed,
-            plants: (args.objective == super::bench_tuners::Goal::Robust).then_some(ground.flights[0]),
+            plants: (args.objective == Goal::Robust).then_some(ground.flights[0]),
             cells: args.cells,
             parameters: names,
             from,

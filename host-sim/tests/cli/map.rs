@@ -72,8 +72,8 @@ fn what_a_map_cannot_be_of_is_said_with_what_is_allowed() {
     let file = gains();
     let cases: [(&[&str], &str); 5] = [
         (&["--parameters", "pitch.rate,roll"], "'roll'; allowed: "),
-        (&["--parameters", "pitch.rate"], "two different ones of pitch.rate"),
-        (&["--parameters", "pitch.rate,pitch.rate"], "two different ones of pitch.rate"),
+        (&["--parameters", "pitch.rate"], "is pitch.rate; allowed: two different ones of allocation"),
+        (&["--parameters", "pitch,yaw.rate"], "is pitch,yaw.rate; allowed: two different ones of"),
         (&["--parameters", "pitch.rate,yaw.rate", "--objective", "ise"], "gains of the paper's law"),
         (&["--parameters", "pitch.rate,yaw.rate", "--cells", "1"], "--cells is 1; allowed: 2 to 2000"),
     ];
