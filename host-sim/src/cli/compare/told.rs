@@ -199,10 +199,10 @@ fn flights<'a>(controllers: impl Iterator<Item = (&'a str, &'a Vec<Score>)>) -> 
 /// What the heads of the table stand for.
 const LEGEND: &str = "\
 c: a flight's cost; J: its mean, and half its 90 % quantile; less is better
-fail: diverged, outside the envelope, not inside 5 % in time, or cut by the board;
+fail: diverged, outside the envelope, not inside 5 % in time, cut by the board;
 P<: the probability of that is below this, 95 % sure
-ts2: settling within 2 %; OS: overshoot; medians, or the value that 95 % stay below
-dist, hold: error after the disturbance, and before; V/s: volts moved while holding
+ts2: settling within 2 %; OS: overshoot; medians, or what 95 % stay below
+dist, hold: error after the disturbance, before it; V/s: volts moved in holding
 sat: time with a motor at its limit; p: chance of such a difference to the first
 ";
 
