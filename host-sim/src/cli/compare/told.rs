@@ -254,7 +254,7 @@ fn report(head: &Head, rows: &[Row]) -> String {
         grid.map_or_else(String::new, |Grid { heads, rows, note, .. }| {
             let mut table = tables::table(&heads.iter().map(|head| &**head).collect::<Vec<_>>());
             rows.into_iter().for_each(|row| tables::add(&mut table, row));
-            format!("{what}: {note}\n{table}\n")
+            format!("{what}: {}\n{table}\n", note.replace("; (", ";\n("))
         })
     };
     let beside = told("scenes", scenes(rows)) + &told("true lags", wrong_lags(rows));
