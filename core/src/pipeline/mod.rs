@@ -168,7 +168,8 @@ impl<R: Real> Pipeline<R> {
     }
 
     /// The second half of a tick: what to do about it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Decision<R> {
         let governed;
         let reference = *match &mut self.reference {

@@ -142,7 +142,8 @@ impl<R: Real, T: Thrust<R>> Plant<R, T> {
         rate.yaw.add(mean(a1.yaw, a2.yaw, a3.yaw, a4.yaw));
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[cfg_attr(debug_assertions, inline(never))]
     fn accel(&self, state: &State<R>, effect: RotorEffect<R>) -> PerAxis<R> {
         let pitched = state.angle.pitch.sin_cos();
         let torque = match &self.tilt {

@@ -102,7 +102,8 @@ impl<R: Real> IdealLoop<R> {
 }
 
 impl<R: Real> ClosedLoop<R> for IdealLoop<R> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[cfg_attr(debug_assertions, inline(never))]
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
         let state = self.plant.state();
         let decision = self.pipeline.act(Estimate::exact(state), reference);
@@ -181,7 +182,8 @@ impl<R: Real> RigLoop<R> {
 }
 
 impl<R: Real> ClosedLoop<R> for RigLoop<R> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[cfg_attr(debug_assertions, inline(never))]
     fn tick(&mut self, reference: &Reference<R>, disturbance: PerMotor<R>) -> Tick<R> {
         let state = self.plant.state();
         let seen = self.worn.seen(state.angle);

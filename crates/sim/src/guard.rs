@@ -61,7 +61,8 @@ impl<R: Real<Scalar = f32>> Guard<R> {
     }
 
     /// What happened in this tick of the flight; the board arms in the first, 0.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn see(&mut self, tick: u32, happened: &Tick<R>) {
         let decision = &happened.decision;
         if tick > 0 {

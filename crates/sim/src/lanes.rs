@@ -5,7 +5,8 @@
 //! no operation is fused or reordered.
 //!
 //! Whatever a kernel calls in its loop must be `#[inline(always)]`: a function of its own would be compiled
-//! for the plainest processor.
+//! for the plainest processor. Where it is compiled for no other, in builds for tests, the largest of them are
+//! functions of their own all the same: a first build would spend a third of its time on their copies.
 
 use fearless_simd::{
     Level, Select as _, Simd, SimdBase as _, SimdFloat as _, SimdMask as _, f32x16, mask32x16,
@@ -215,7 +216,8 @@ impl<S: Simd> Real for Lanes<S> {
     fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[cfg_attr(debug_assertions, inline(never))]
     fn sin_cos(self) -> (Self, Self) {
         twinrotor::real::trig::sin_cos(self)
     }
