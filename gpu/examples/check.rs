@@ -1,5 +1,9 @@
 //! On a card: are the bits this processor's, and how fast is it? `scripts/gpu-check.sh` runs it. Prints what
 //! docs/speed.md can take over; ends with a panic where a bit differs.
+//!
+//!     check [KERNELS.ptx...]
+//!
+//! With kernels in files, each against those that it was built with: the same scores, and how fast?
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,6 +17,7 @@ use twinrotor::reference::Reference;
 use twinrotor::{SAMPLE_TIME, defaults, gains};
 use twinrotor_gpu::host::Card;
 use twinrotor_gpu::host::cuda::Cuda;
+use twinrotor_gpu::host::driver::Fault;
 use twinrotor_gpu::host::stand_in::StandIn;
 use twinrotor_sim::device::{Batch, Change, Device};
 use twinrotor_sim::flight::Fidelity;
@@ -29,19 +34,71 @@ use twinrotor_tune::search::Problem as _;
 /// Plants whose every tick is compared, and those that fly every scene.
 const PLANTS: usize = 10_000;
 const SCENE_PLANTS: usize = 200;
+/// As many flights as a launch has at most.
+const MANY: usize = 1_000_000;
 
 fn main() {
-    let card = match Cuda::find() {
+    let card = of(Cuda::find());
+    let files: Vec<String> = std::env::args().skip(1).collect();
+    if !files.is_empty() {
+        return side_by_side(&card, &files);
+    }
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    println!("{}; beside it {cores} cores ({})\n", card.name(), twinrotor_sim::lanes::instruction_set());
+    bits(&card);
+    speed(&card);
+}
+
+fn of(found: Result<Cuda, Fault>) -> Arc<Card<Cuda>> {
+    match found {
         Ok(cuda) => Arc::new(Card::new(cuda)),
         Err(fault) => {
             eprintln!("gpu-check: {fault}");
             std::process::exit(1);
         }
+    }
+}
+
+/// A million flights of three rigs and of the paper's world with the kernels of each file.
+fn side_by_side(card: &Arc<Card<Cuda>>, files: &[String]) {
+    println!("steps a second in launches of {MANY} flights\n");
+    println!("| kernels | paper | aero2 | aero-lab | ideal |");
+    println!("|---|---|---|---|---|");
+    let mut known = None;
+    let mut row = |what: &str, card: &Arc<Card<Cuda>>| {
+        let (mut speeds, mut scores) = (Vec::new(), Vec::new());
+        for name in ["paper", "aero2", "aero-lab"] {
+            let (_, rig) = presets::ALL.into_iter().find(|(known, _)| *known == name).expect("a preset");
+            let trial = Trial::new(&rig, MANY, 3, 4.0).on(Some(Arc::clone(card) as Arc<dyn Device>));
+            let before = card.busy();
+            let flown = trial.scores_until(&defaults::named(name).expect("every preset has one"), NEVER);
+            let steps = MANY as f64 * trial.steps() as f64;
+            speeds.push(steps / (card.busy() - before).as_secs_f64());
+            scores.push(flown);
+        }
+        let step = Scenario::named("step").expect("a scenario");
+        let objective = Objective::new(Criterion::Ise, &presets::PAPER, &step, Fidelity::Ideal, 1);
+        let before = card.busy();
+        let costs =
+            objective.on(Some(Arc::clone(card) as Arc<dyn Device>)).costs_until(&candidates(MANY), NEVER);
+        let steps = MANY as f64 * f64::from(step.last_tick() + 1);
+        speeds.push(steps / (card.busy() - before).as_secs_f64());
+        assert!(costs.is_some() && card.failure().is_none(), "{what}: {:?}", card.failure());
+        let [paper, aero2, lab, ideal] = speeds[..] else { unreachable!("four speeds") };
+        println!("| {what} | {paper:.2e} | {aero2:.2e} | {lab:.2e} | {ideal:.2e} |");
+        let found = (scores, costs);
+        assert!(*known.get_or_insert_with(|| found.clone()) == found, "{what}: other scores");
     };
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    println!("{}; beside it {cores} cores ({})\n", card.name(), twinrotor_sim::lanes::instruction_set());
-    bits(&card);
-    speed(&card);
+    row("built in", card);
+    for file in files {
+        let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file}: {error}"));
+        row(file, &of(Cuda::with(&text)));
+    }
+}
+
+/// The paper's gains, so many times.
+fn candidates(count: usize) -> Vec<Candidate> {
+    vec![Candidate { position: gains::PAPER.to_paper_order().to_vec(), bound: f64::INFINITY }; count]
 }
 
 fn controllers(name: &str, rig: &Rig) -> Vec<ControllerSettings<f64>> {
@@ -98,7 +155,7 @@ fn speed(card: &Arc<Card<Cuda>>) {
     for name in ["paper", "aero2", "aero-lab"] {
         let (_, rig) = presets::ALL.into_iter().find(|(known, _)| *known == name).expect("a preset");
         let ours = defaults::named(name).expect("every preset has one");
-        for plants in [1_000, 10_000, 100_000, 1_000_000] {
+        for plants in [1_000, 10_000, 100_000, MANY] {
             let trial = Trial::new(&rig, plants, 3, 4.0).on(device());
             let (begun, before) = (Instant::now(), card.busy());
             assert!(trial.scores_until(&ours, NEVER).is_some(), "{:?}", card.failure());
@@ -113,17 +170,16 @@ fn speed(card: &Arc<Card<Cuda>>) {
     }
     let step = Scenario::named("step").expect("a scenario");
     let objective = || Objective::new(Criterion::Ise, &presets::PAPER, &step, Fidelity::Ideal, 1);
-    for candidates in [50, 10_000, 1_000_000] {
-        let position = gains::PAPER.to_paper_order().to_vec();
-        let all = vec![Candidate { position, bound: f64::INFINITY }; candidates];
-        let steps = candidates as f64 * f64::from(step.last_tick() + 1);
+    for count in [50, 10_000, MANY] {
+        let all = candidates(count);
+        let steps = count as f64 * f64::from(step.last_tick() + 1);
         let (begun, before) = (Instant::now(), card.busy());
         assert!(objective().on(device()).costs_until(&all, NEVER).is_some(), "{:?}", card.failure());
-        line("ideal, paper", candidates, steps, begun.elapsed(), card.busy() - before);
-        if candidates == 10_000 {
+        line("ideal, paper", count, steps, begun.elapsed(), card.busy() - before);
+        if count == 10_000 {
             let begun = Instant::now();
             objective().costs(&all);
-            line("ideal, paper, this processor", candidates, steps, begun.elapsed(), begun.elapsed());
+            line("ideal, paper, this processor", count, steps, begun.elapsed(), begun.elapsed());
         }
     }
     let ours = defaults::AERO2;

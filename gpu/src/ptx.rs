@@ -19,7 +19,7 @@ fn number() -> u32 {
     unsafe { _block_idx_x() * _block_dim_x() + _thread_idx_x() }
 }
 
-/// Thread k flies flight k of `flights`; word w of what comes of it goes to `out` at w x `flights` + k.
+/// Thread k flies flight k of `flights`; what comes of it goes to the k-th piece of `out`.
 macro_rules! kernels {
     ($($name:ident: $words:expr, $fly:expr;)+) => {$(
         /// # Safety
@@ -62,7 +62,7 @@ macro_rules! kernels {
             };
             for (w, word) in words.into_iter().enumerate() {
                 // SAFETY: w is below the number of words and k below `flights`.
-                unsafe { out.add(w * flights as usize + k as usize).write(word) };
+                unsafe { out.add(k as usize * $words + w).write(word) };
             }
         }
     )+};

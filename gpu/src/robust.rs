@@ -80,8 +80,7 @@ pub struct Given<'a> {
     pub settings: &'a [u32],
     /// Words that each controller has.
     pub each: u32,
-    /// Plants' numbers in the order in which they are read: number k of plant p at k x `count` + p, so that
-    /// neighbours read side by side.
+    /// Plants' numbers, plant by plant, each in the order in which they are read.
     pub plants: &'a [u32],
     /// How many plants there are.
     pub count: u32,
@@ -150,10 +149,10 @@ impl<'a> Given<'a> {
         state: State<f32>,
     ) -> (RealPlant<f32>, PerMotor<f32>, PerAxis<f32>) {
         let count = self.count.max(1);
-        let mut k = (number % count) as usize;
+        let mut k = (number % count) as usize * (self.plants.len() / count as usize);
         let mut next = || {
             let word = self.plants.get(k).copied().unwrap_or(0);
-            k += count as usize;
+            k += 1;
             f32::from_bits(word)
         };
         // What these presets say is not read: they are the structures that the numbers fill.

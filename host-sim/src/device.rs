@@ -34,10 +34,10 @@ impl FromStr for Choice {
 }
 
 /// Flights of a rig that a core flies in the time of one launch, and those of the paper's world: computed
-/// from an experiment on one card (docs/gpu.md).
-pub const RIG_FLIGHTS: usize = 84;
+/// from what was measured on one card and the processor beside it (docs/gpu.md).
+pub const RIG_FLIGHTS: usize = 150;
 /// See there.
-pub const IDEAL_FLIGHTS: usize = 135;
+pub const IDEAL_FLIGHTS: usize = 80;
 
 /// A device that was found, or this processor.
 #[derive(Debug, Default)]

@@ -5,6 +5,7 @@ use super::driver::{Argument, Driver, Fault};
 use super::work::{Work, plant_length, plant_words};
 use crate::integral;
 use crate::robust::{self, usual};
+use rayon::prelude::*;
 use std::string::{String, ToString};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -61,7 +62,7 @@ impl<D: Driver> Card<D> {
     }
 
     /// What `kernel` makes of every flight, unless the card has failed, now or before.
-    fn run<const W: usize, T: Copy>(
+    fn run<const W: usize, T: Copy + Send>(
         &self,
         kernel: &Kernel<W, T>,
         work: Result<Work<'_>, Fault>,
@@ -81,14 +82,14 @@ impl<D: Driver> Card<D> {
         }
     }
 
-    fn launches<const W: usize, T: Copy>(
+    fn launches<const W: usize, T: Copy + Send>(
         &self,
         kernel: &Kernel<W, T>,
         work: &Work<'_>,
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<Vec<T>>, Fault> {
         let (controllers, plants) = (work.controllers.len(), work.plants.len());
-        let mut all: Vec<Option<T>> = std::vec![None; controllers * plants];
+        let mut parts: Vec<(usize, Vec<T>)> = Vec::new();
         let shared = [self.driver.upload(&work.common)?, self.driver.upload(&work.course)?];
         let plant = plant_length(work.plants);
         let mut most = MOST;
@@ -102,12 +103,7 @@ impl<D: Driver> Card<D> {
             let these = work.plants.get(from..from + part.plants).unwrap_or_default();
             match self.part(kernel, &shared, work, these, part.controllers, stop) {
                 Ok(Some(sums)) => {
-                    for (c, sums) in sums.chunks(these.len()).enumerate() {
-                        let place = c * plants + from;
-                        for (to, flown) in all.iter_mut().skip(place).zip(sums) {
-                            *to = Some(*flown);
-                        }
-                    }
+                    parts.push((part.plants, sums));
                     from += part.plants;
                 }
                 Ok(None) => return Ok(None),
@@ -118,11 +114,15 @@ impl<D: Driver> Card<D> {
                 Err(fault) => return Err(fault),
             }
         }
-        Ok(all.into_iter().collect())
+        if let [(_, all)] = &mut parts[..] {
+            return Ok(Some(std::mem::take(all)));
+        }
+        let of = |c: usize| parts.iter().filter_map(move |(n, sums)| sums.get(c * n..(c + 1) * n));
+        Ok(Some((0..controllers).flat_map(of).flatten().copied().collect()))
     }
 
     /// Every controller on these plants, so many controllers in a launch.
-    fn part<const W: usize, T: Copy>(
+    fn part<const W: usize, T: Copy + Send>(
         &self,
         kernel: &Kernel<W, T>,
         [common, course]: &[D::Memory; 2],
@@ -164,8 +164,8 @@ impl<D: Driver> Card<D> {
                 *busy += begun.elapsed();
             }
             let words = self.driver.download(&out)?;
-            let word = |k: usize, w: usize| words.get(w * flights + k).copied().unwrap_or(0);
-            sums.extend((0..flights).map(|k| (kernel.read)(std::array::from_fn(|w| word(k, w)))));
+            let (words, _) = words.as_chunks::<W>();
+            sums.par_extend(words.par_iter().map(|words| (kernel.read)(*words)));
         }
         Ok(Some(sums))
     }

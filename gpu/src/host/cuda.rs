@@ -35,18 +35,29 @@ impl From<DriverError> for Fault {
     }
 }
 
+fn none(why: &str) -> Fault {
+    Fault::NoDevice(why.to_string())
+}
+
 impl Cuda {
     /// Looks for a driver and a card, and gives it the kernels.
     ///
     /// # Errors
     /// Which of these there is not.
     pub fn find() -> Result<Self, Fault> {
-        let none = |why: &str| Fault::NoDevice(why.to_string());
         let Some(kernels) = KERNELS else {
             return Err(none(
                 "this program was built without kernels; run scripts/build-ptx.sh and build it again",
             ));
         };
+        Self::with(kernels)
+    }
+
+    /// The same with other `kernels` than those that were there when this was built, as text.
+    ///
+    /// # Errors
+    /// Which of driver and card there is not.
+    pub fn with(kernels: &str) -> Result<Self, Fault> {
         // SAFETY: opens and closes the driver's library, as the next lines would.
         #[expect(unsafe_code, reason = "cudarc panics where there is no driver, and this asks first")]
         let present = unsafe { sys::is_culib_present() };

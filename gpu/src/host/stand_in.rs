@@ -4,6 +4,7 @@
 use super::driver::{Argument, Driver, Fault};
 use crate::integral;
 use crate::robust::{self, Given};
+use rayon::prelude::*;
 use std::string::{String, ToString};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -76,20 +77,6 @@ impl StandIn {
     }
 }
 
-/// `of` every number below `count`, in their order, on all cores.
-fn side_by_side<T: Send>(count: u32, of: &(impl Fn(u32) -> T + Sync)) -> Vec<T> {
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let each = (count as usize).div_ceil(cores).max(1);
-    let numbers: Vec<u32> = (0..count).collect();
-    std::thread::scope(|scope| {
-        let some = |part| {
-            scope.spawn(move || -> Vec<T> { Iterator::map(<[u32]>::iter(part), |k| of(*k)).collect() })
-        };
-        let begun: Vec<_> = numbers.chunks(each).map(some).collect();
-        begun.into_iter().flat_map(|part| part.join().expect("a kernel does not panic")).collect()
-    })
-}
-
 impl Driver for StandIn {
     type Memory = Memory;
 
@@ -152,14 +139,10 @@ impl Driver for StandIn {
             _ => None,
         };
         let mut words = out.words.lock().map_err(|_| lost("out of order"))?;
-        let flights = (*flights).min(threads);
-        for (k, made) in (0..flights).zip(side_by_side(flights, &fly)) {
-            let made = made.ok_or_else(|| lost("unspecified launch failure"))?;
-            for (w, word) in made.into_iter().enumerate() {
-                let place = w * flights as usize + k as usize;
-                *words.get_mut(place).ok_or_else(|| lost("illegal address"))? = word;
-            }
-        }
+        let made: Option<Vec<Vec<u32>>> = (0..(*flights).min(threads)).into_par_iter().map(fly).collect();
+        let made = made.ok_or_else(|| lost("unspecified launch failure"))?.concat();
+        let place = words.get_mut(..made.len()).ok_or_else(|| lost("illegal address"))?;
+        place.copy_from_slice(&made);
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use super::driver::Fault;
 use super::written;
 use crate::integral::{self, INSTANT};
 use crate::robust::{CHANGE, Common};
+use rayon::prelude::*;
 use std::vec::Vec;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -80,9 +81,11 @@ fn change_words(change: &Change) -> [u32; CHANGE] {
 }
 
 /// A plant's numbers, in the order in which a thread reads them.
-fn plant_numbers(draw: &Draw) -> Vec<u32> {
-    let mut words = Vec::new();
-    let mut push = |x: f32| words.push(x.to_bits());
+fn plant_numbers(draw: &Draw, mut to: impl FnMut(u32)) {
+    let mut push = |x: f32| {
+        to(x.to_bits());
+        x
+    };
     let constants: PlantParameters<f32> = draw.plant.map(f32::from_f64);
     constants.map(&mut push);
     LaggedRotors::<f32>::new(&draw.plant, SAMPLE_TIME).map(&mut push);
@@ -90,20 +93,28 @@ fn plant_numbers(draw: &Draw) -> Vec<u32> {
     let phase: PerAxis<f32> = draw.encoder_phase.cast();
     disturbance.map(&mut push);
     phase.map(&mut push);
-    words
 }
 
 /// How many words a plant has.
 pub(super) fn plant_length(plants: &[Draw]) -> usize {
-    plants.first().map_or(0, |draw| plant_numbers(draw).len())
+    let mut words = 0;
+    if let Some(draw) = plants.first() {
+        plant_numbers(draw, |_| words += 1);
+    }
+    words
 }
 
-/// The plants' numbers, neighbours side by side.
+/// The plants' numbers, plant by plant.
 pub(super) fn plant_words(plants: &[Draw]) -> Vec<u32> {
-    let mut words = std::vec![0; plants.len() * plant_length(plants)];
-    for (p, draw) in plants.iter().enumerate() {
-        let place = words.iter_mut().skip(p).step_by(plants.len());
-        place.zip(plant_numbers(draw)).for_each(|(word, number)| *word = number);
-    }
+    let each = plant_length(plants);
+    let mut words = std::vec![0; plants.len() * each];
+    words.par_chunks_mut(each.max(1)).zip(plants).for_each(|(place, draw)| {
+        let mut place = place.iter_mut();
+        plant_numbers(draw, |number| {
+            if let Some(word) = place.next() {
+                *word = number;
+            }
+        });
+    });
     words
 }

@@ -151,13 +151,13 @@ pub(super) fn of(costs: &[f64]) -> f64 {
 
 /// The value below which a part of `values` lies, straight between neighbours.
 pub fn quantile(values: &[f64], part: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let place = part * (sorted.len() - 1) as f64;
+    let mut values = values.to_vec();
+    let place = part * (values.len() - 1) as f64;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the slice")]
     let below = place as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+    let (_, &mut under, larger) = values.select_nth_unstable_by(below, f64::total_cmp);
+    let over = larger.iter().copied().min_by(f64::total_cmp).unwrap_or(under);
+    under + (place - below as f64) * (over - under)
 }
 
 #[cfg(test)]

@@ -75,6 +75,35 @@ pub struct Trial {
     pub device: Option<Arc<dyn Device>>,
 }
 
+/// Is J with these costs sure not to be below `bound`?
+fn is_above(costs: &[f64], bound: f64) -> bool {
+    cost::of(costs) > bound * SURELY
+}
+
+/// After how many of these flights J is sure not to be below `bound`, asked group by group, if ever: with
+/// more of them it only rises.
+fn enough(costs: &[f64], bound: f64) -> Option<usize> {
+    if bound == f64::INFINITY {
+        return None;
+    }
+    let after = |groups: usize| (groups * LANES).min(costs.len());
+    let above = |groups: usize| {
+        let mut known = costs.to_vec();
+        known[after(groups)..].fill(0.0);
+        is_above(&known, bound)
+    };
+    let all = costs.len().div_ceil(LANES);
+    let (mut not, mut yes) = (0, all);
+    if all == 0 || !above(all) {
+        return None;
+    }
+    while yes - not > 1 {
+        let middle = usize::midpoint(not, yes);
+        if above(middle) { yes = middle } else { not = middle }
+    }
+    Some(after(yes))
+}
+
 /// \[deg\] The objective's step.
 pub const STEP_DEG: PerAxis<f64> = PerAxis::new(15.0, 40.0);
 
@@ -165,15 +194,18 @@ impl Trial {
         let courses = Course::all(self);
         let settings: Vec<_> = controllers.iter().map(|(c, _)| self.settings(c)).collect();
         let all = kernel::scores_on(&*device, self, &courses, &settings, stop)?;
-        let bounded = |(scores, (_, bound)): (Vec<Score>, &(_, f64))| {
-            if *bound == f64::INFINITY {
+        let spared: Vec<Option<usize>> = parallel::by_index(controllers.len(), |k| {
+            let costs: Vec<f64> = all[k].iter().map(Score::cost).collect();
+            enough(&costs, controllers[k].1)
+        });
+        let bounded = |(scores, enough): (Vec<Score>, Option<usize>)| match enough {
+            Some(flown) => (None, flown),
+            None => {
                 let flown = scores.len();
-                return Some((Some(scores), flown));
+                (Some(scores), flown)
             }
-            let mut known = scores.chunks(LANES);
-            self.below(*bound, |_| Some(known.next()?.to_vec()))
         };
-        all.into_iter().zip(controllers).map(bounded).collect()
+        Some(all.into_iter().zip(spared).map(bounded).collect())
     }
 
     /// Group by group until J is sure not to be below `bound`.
@@ -187,7 +219,7 @@ impl Trial {
             scores.extend(fly(group)?);
             let mut costs: Vec<f64> = scores.iter().map(Score::cost).collect();
             costs.resize(self.plants.len(), 0.0);
-            if cost::of(&costs) > bound * SURELY {
+            if is_above(&costs, bound) {
                 return Some((None, scores.len()));
             }
         }
@@ -229,5 +261,29 @@ impl Trial {
     /// Closed-loop steps that each plant takes.
     pub fn steps(&self) -> u64 {
         Course::all(self).iter().map(|course| u64::from(course.end)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::SmallRng};
+
+    /// As when they are flown group by group.
+    #[test]
+    fn halving_finds_the_group_after_which_a_candidate_has_lost() {
+        let mut random = SmallRng::seed_from_u64(5);
+        for count in [1, 15, 16, 17, 40, 333] {
+            let costs: Vec<f64> = (0..count).map(|_| random.random_range(0.0..10.0)).collect();
+            for part in [0.0, 0.01, 0.3, 0.7, 0.99, 1.0, 1.01, f64::INFINITY] {
+                let bound = part * cost::of(&costs);
+                let lost = |flown: &usize| {
+                    let known = costs.iter().take(*flown).copied();
+                    is_above(&known.chain(std::iter::repeat(0.0)).take(count).collect::<Vec<_>>(), bound)
+                };
+                let groups = (1..=count.div_ceil(LANES)).map(|groups| (groups * LANES).min(count));
+                assert_eq!(enough(&costs, bound), groups.into_iter().find(lost), "{count} costs, {part}");
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::{LagRow, Limit, Row, Scatter, Scenes, Score, Trial};
 use crate::checkpoint::Identity;
 use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
-use crate::parallel::Stop;
+use crate::parallel::{self, Stop};
 use crate::search::{Effort, Problem, Search};
 use crate::tunable::Tunable;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -25,6 +25,13 @@ pub struct Robust<'a> {
     simulated: AtomicU64,
     skipped: AtomicU64,
     diverged: AtomicU64,
+}
+
+/// A candidate's flights in numbers; the row where limits ask for it.
+struct Judged {
+    total: f64,
+    diverged: bool,
+    row: Option<Row>,
 }
 
 impl<'a> Robust<'a> {
@@ -59,19 +66,15 @@ impl<'a> Robust<'a> {
         &self,
         controller: &ControllerSettings<f64>,
         bound: f64,
-        scores: Option<Vec<Score>>,
+        judged: Option<Judged>,
         flown: usize,
         stop: Stop<'_>,
     ) -> Option<f64> {
         let left = self.trial.plants.len() - flown;
         self.count(flown, left);
-        let Some(scores) = scores else { return Some(f64::INFINITY) };
-        self.diverged.fetch_add(u64::from(scores.iter().any(|s| s.diverged)), Ordering::Relaxed);
-        let total = super::total(&scores);
-        if self.limits.is_empty() {
-            return Some(total);
-        }
-        let mut row = Row::new("", &scores, None, Vec::new());
+        let Some(Judged { total, diverged, row }) = judged else { return Some(f64::INFINITY) };
+        self.diverged.fetch_add(u64::from(diverged), Ordering::Relaxed);
+        let Some(mut row) = row else { return Some(total) };
         let raised =
             |row: &Row| total * (1.0 + self.limits.iter().map(|limit| limit.excess(row)).sum::<f64>());
         for (multiple, trial) in &self.lags {
@@ -84,6 +87,14 @@ impl<'a> Robust<'a> {
             self.count(trial.plants.len(), 0);
         }
         Some(raised(&row))
+    }
+
+    fn judged(&self, scores: &[Score]) -> Judged {
+        Judged {
+            total: super::total(scores),
+            diverged: scores.iter().any(|s| s.diverged),
+            row: (!self.limits.is_empty()).then(|| Row::new("", scores, None, Vec::new())),
+        }
     }
 
     fn count(&self, flown: usize, left: usize) {
@@ -100,13 +111,17 @@ impl Problem for Robust<'_> {
             candidates.iter().map(|c| (self.tunable.controller(&c.position), c.bound)).collect();
         // What no gains file could hold is no candidate.
         let sound: Vec<_> = controllers.iter().copied().filter(|(c, _)| c.validate().is_ok()).collect();
-        let mut flown = self.trial.all_below(&sound, stop)?.into_iter();
+        let flown = self.trial.all_below(&sound, stop)?;
+        let judged = parallel::map(&flown, |(scores, flown)| {
+            (scores.as_ref().map(|scores| self.judged(scores)), *flown)
+        });
+        let mut judged = judged.into_iter();
         let cost = |(controller, bound): &(ControllerSettings<f64>, f64)| {
             if controller.validate().is_err() {
                 return Some(f64::INFINITY);
             }
-            let (scores, flown) = flown.next()?;
-            self.cost(controller, *bound, scores, flown, stop)
+            let (judged, flown) = judged.next()?;
+            self.cost(controller, *bound, judged, flown, stop)
         };
         controllers.iter().map(cost).collect()
     }

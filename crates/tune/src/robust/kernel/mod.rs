@@ -4,7 +4,7 @@ use super::cost::Score;
 use super::plants::Draw;
 use super::scenes::{Course, SCENES, SceneScore};
 use super::{Cut, Trial};
-use crate::parallel::{NEVER, Stop};
+use crate::parallel::{self, NEVER, Stop};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
@@ -20,6 +20,8 @@ use twinrotor_sim::scenario::SAMPLE_TIME;
 
 /// \[ticks\] From one question whether to stop to the next: milliseconds.
 const ASK_EVERY: u32 = 4096;
+/// Flights whose scores are worth a thread.
+const MANY: usize = 4096;
 
 /// The scores of up to [`LANES`](twinrotor_sim::lanes::LANES) plants.
 pub(super) fn scores(
@@ -54,16 +56,21 @@ pub(super) fn scores_on(
 /// The scores of flights that `fly` flies on each course, in its order.
 fn all_scores(courses: &[Course], fly: impl Fn(&Course) -> Option<Vec<Flown>>) -> Option<Vec<Score>> {
     let (step, scenes) = courses.split_first().expect("the step is flown first");
-    let mut scores: Vec<Score> = fly(step)?.iter().map(|flown| score(flown, step)).collect();
+    let mut scores = of_all(&fly(step)?, |flown| score(flown, step))?;
     for (k, course) in scenes.iter().enumerate() {
-        for (score, flown) in scores.iter_mut().zip(fly(course)?) {
-            let scene = scene(&flown, course);
-            score.cut = score.cut.or(cut(&flown, course));
+        let found = of_all(&fly(course)?, |flown| (scene(flown, course), cut(flown, course)))?;
+        for (score, (scene, cut)) in scores.iter_mut().zip(found) {
+            score.cut = score.cut.or(cut);
             score.failed |= scene.failed || score.cut.is_some();
             score.scenes[k] = Some(scene);
         }
     }
     Some(scores)
+}
+
+/// `of` every flight, side by side where they are many.
+fn of_all<T: Send>(flown: &[Flown], of: impl Fn(&Flown) -> T + Sync + Send) -> Option<Vec<T>> {
+    parallel::by_group(flown, MANY, |group| Some(group.iter().map(&of).collect()))
 }
 
 /// One controller on up to [`LANES`](twinrotor_sim::lanes::LANES) plants; the last one fills what lanes are
