@@ -32,6 +32,10 @@ export class Chromium {
         "--hide-scrollbars",
         "--enable-unsafe-swiftshader",
         "--use-angle=swiftshader",
+        // As a browser does where there is no graphics card: only what is drawn in three dimensions goes by
+        // way of one that is computed.
+        "--disable-gpu-compositing",
+        "--disable-gpu-rasterization",
         `--user-data-dir=${this.folder}`,
         "about:blank",
       ],
