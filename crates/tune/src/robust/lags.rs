@@ -100,9 +100,9 @@ mod tests {
         }
     }
 
-    /// On plants that nothing was tuned on: `paper`, `paper-fixed` and `heli` from a fifth of the lag to three
-    /// times, where the board cuts one flight of these sixty of `heli` in its first third of a second; every
-    /// other preset from a fifth to twice (docs/rig-law.md, "Lag that is wrong by far").
+    /// On plants that nothing was tuned on: `paper`, `paper-fixed` and `heli` from a fifth of the lag to
+    /// three times, where the board cuts one flight of these sixty of `heli` in its first third of a second;
+    /// every other preset from a fifth to twice (docs/rig-law.md, "Lag that is wrong by far").
     #[test]
     fn what_boards_boot_with_holds_where_lags_are_wrong_by_far() {
         for ((name, rig), (_, controller)) in presets::ALL.into_iter().zip(defaults::ALL) {
