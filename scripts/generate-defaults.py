@@ -40,16 +40,22 @@ def optional(table, show):
     return "None" if table is None else f"Some({show(table)})"
 
 
+def braced(indent, head, fields, tail):
+    """A structure on one line where that fits, as rustfmt has it."""
+    line = f"{indent}{head} {{ {', '.join(fields)} }}{tail}"
+    if len(line) <= WIDTH:
+        return [line]
+    return [f"{indent}{head} {{", *(f"{indent}    {field}," for field in fields), f"{indent}}}{tail}"]
+
+
 def law(document):
     name = document["controller"]
     if name not in AXIS_GAINS:
         raise SystemExit(f"a board's default of the law '{name}' is not known to {sys.argv[0]}")
     lines = [f"    law: LawSettings::{camel(name)}(PerAxis::new("]
     for axis in ("pitch", "yaw"):
-        lines.append(f"        {AXIS_GAINS[name]} {{")
         gains = sorted(document[axis].items(), key=lambda item: ORDER.index(item[0]))
-        lines += [f"            {field}: {value!r}," for field, value in gains]
-        lines.append("        },")
+        lines += braced(" " * 8, AXIS_GAINS[name], [f"{field}: {value!r}" for field, value in gains], ",")
     return [*lines, "    )),"]
 
 
@@ -62,11 +68,7 @@ def choice(field, kind, table, default):
     ((name, inner),) = table.items()
     ((key, value),) = inner.items()
     shown = pair(value) if isinstance(value, dict) else repr(value)
-    line = f"    {field}: {kind}::{camel(name)} {{ {key}: {shown} }},"
-    # As rustfmt breaks it: a call inside is too wide for one line.
-    if isinstance(value, dict):
-        return [f"    {field}: {kind}::{camel(name)} {{", f"        {key}: {shown},", "    },"]
-    return [line]
+    return braced(" " * 4, f"{field}: {kind}::{camel(name)}", [f"{key}: {shown}"], ",")
 
 
 def controller(name):
@@ -98,7 +100,7 @@ def generated():
     parts, laws = zip(*(controller(name) for name in PRESETS))
     body = [line for lines in parts for line in lines]
     structures = sorted({AXIS_GAINS[name] for name in laws} - {"AxisGains"} | {"LawSettings"})
-    braced = "{" + ", ".join(structures) + "}"
+    laws_used = "{" + ", ".join(structures) + "}"
     imports = [
         "use crate::allocation::AllocationSettings;",
         "use crate::axes::PerAxis;",
@@ -106,7 +108,7 @@ def generated():
         "use crate::controller::ControllerSettings;",
         "use crate::estimator::EstimatorSettings;",
         *(["use crate::gains::AxisGains;"] if "backstepping" in laws else []),
-        f"use crate::law::{structures[0] if len(structures) == 1 else braced};",
+        f"use crate::law::{structures[0] if len(structures) == 1 else laws_used};",
         *(["use crate::lead::Lead;"] if any("Lead {" in line for line in body) else []),
     ]
     head = [

@@ -42,14 +42,11 @@ tune() {
         $limits --out "$file"
 }
 
-# tune_tight PRESET CONTROLLER FILE SEED LIMITS LIMITS: where limits leave little room, further and towards
-# them in two steps.
-tune_tight() {
-    search --preset "$1" --controller "$2" --rounds 4 --plants 32 --seed "$4" --out "$rough/first.toml"
-    search --preset "$1" --start "$rough/first.toml" --rounds 5 --range 2.5 --plants 256 --seed $(($4 + 1)) \
-        --at-most "$5" --out "$rough/second.toml"
-    search --preset "$1" --start "$rough/second.toml" --rounds 5 --range 2 --plants 512 --seed $(($4 + 1)) \
-        --at-most "$6" --out "$3"
+# take PRESET: nothing but its start is tried, which was found with lags that are wrong by far.
+take() {
+    search --preset "$1" --start "gains/starts/$1.toml" --population 5 --iterations 0 --rounds 1 \
+        --range 1.000001 --plants 64 --seed 6 --true-lags .2,3 --at-most failures=0,lags.failures=0 \
+        --out "gains/$1.toml"
 }
 
 # tune_near PRESET START FILE LIMITS: what is near START, with its observer.
@@ -60,28 +57,11 @@ tune_near() {
 }
 
 for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
-    # Without lead and cancellation where they gain little, or where motors faster than believed would make
-    # them a limit cycle. With these limits, what laboratories fly today is worse not only in the sum but in
-    # its terms (docs/rig-law.md). They are a little below what is asked for, since other plants are flown
-    # than are tuned on.
-    controller=cancelling seed=1
+    # With these limits, what laboratories fly today is worse not only in the sum but in its terms
+    # (docs/rig-law.md). They are a little below what is asked for, since other plants are flown than are
+    # tuned on.
+    seed=1
     case $name in
-        paper)
-            controller=integral
-            limits=settling_time_2.pitch=0.76,settling_time_2.yaw=0.81,settling_p95.pitch=0.87
-            limits=$limits,settling_p95.yaw=0.87
-            limits=$limits,overshoot_p95.pitch=1.3,overshoot_p95.yaw=0.19,disturbance_rms_deg.yaw=0.107
-            limits=$limits,failures=0
-            ;;
-        paper-fixed)
-            accuracy=hold_rms_deg.pitch=0.0465,hold_rms_deg.yaw=0.0335
-            first=settling_time_2.pitch=1.28,settling_time_2.yaw=1.19,overshoot_p95.pitch=1.1
-            first=$first,overshoot_p95.yaw=1.6
-            first=$first,disturbance_rms_deg.pitch=0.0505,disturbance_rms_deg.yaw=0.0415,$accuracy
-            limits=settling_time_2.pitch=1.27,settling_time_2.yaw=1.19,overshoot_p95.pitch=0.9
-            limits=$limits,overshoot_p95.yaw=1.5
-            limits=$limits,disturbance_rms_deg.pitch=0.0503,disturbance_rms_deg.yaw=0.0413,$accuracy
-            ;;
         aero)
             seed=5
             limits=overshoot_p95.pitch=2.5,overshoot_p95.yaw=2,settling_p95.pitch=2,voltage_variation=135
@@ -98,15 +78,9 @@ for name in ${*:-paper paper-fixed aero aero2 aero-lab heli}; do
             ;;
     esac
     case $name in
-        paper-fixed) tune_tight "$name" "$controller" "gains/$name.toml" $seed "$first" "$limits" ;;
-        # Nothing but its start is tried, which was found with lags that are wrong by far.
-        heli)
-            search --preset "$name" --start gains/starts/heli.toml --population 5 --iterations 0 --rounds 1 \
-                --range 1.000001 --plants 64 --seed 6 --true-lags .2,3 \
-                --at-most failures=0,lags.failures=0 --out "gains/$name.toml"
-            ;;
+        paper | paper-fixed | heli) take "$name" ;;
         aero-lab) tune_near "$name" gains/starts/aero-lab.toml "gains/$name.toml" "$limits" ;;
-        *) tune "$name" "$controller" "gains/$name.toml" $seed "$limits" ;;
+        *) tune "$name" cancelling "gains/$name.toml" $seed "$limits" ;;
     esac
     # Where another kind, tuned so without limits, wins by a little.
     case $name in

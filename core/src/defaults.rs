@@ -13,29 +13,17 @@ use crate::lead::Lead;
 /// For [`presets::PAPER`](crate::plant::presets::PAPER): `gains/paper.toml`.
 pub const PAPER: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
-        IntegralGains {
-            position: 6.996050122966756,
-            rate: 55.95228932467351,
-            weight: 0.822280169398995,
-            integral: 10.20892208523065,
-        },
-        IntegralGains {
-            position: 7.3705708766871245,
-            rate: 25.962167744196226,
-            weight: 2.7737987840280813,
-            integral: 24.505059568730818,
-        },
+        IntegralGains { position: 5.22138, rate: 68.2763, weight: 1.46726, integral: 13.2509 },
+        IntegralGains { position: 5.19239, rate: 28.4428, weight: 1.51098, integral: 20.3253 },
     )),
-    estimator: EstimatorSettings::Luenberger {
-        bandwidth: PerAxis::new(366.0091384856486, 199.9236641426961),
-    },
+    estimator: EstimatorSettings::Luenberger { bandwidth: PerAxis::new(370.144, 188.479) },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(11.120170075181028, 8.848279117762495),
-        damping: Some(PerAxis::new(1.1013362885907558, 1.0560984780741236)),
-        advance: Some(PerAxis::new(0.08376013821696637, 0.1440932661036159)),
-        reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
+        bandwidth: PerAxis::new(14.6519, 9.27037),
+        damping: Some(PerAxis::new(1.68462, 1.14456)),
+        advance: Some(PerAxis::new(0.169967, 0.115189)),
+        reach: Some(PerAxis::new(0.261799, 0.698132)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 1.4947002094755422 },
+    allocation: AllocationSettings::Weighted { pitch_weight: 0.96848 },
     lead: None,
     cancellation: None,
 };
@@ -44,30 +32,30 @@ pub const PAPER: ControllerSettings<f64> = ControllerSettings {
 pub const PAPER_FIXED: ControllerSettings<f64> = ControllerSettings {
     law: LawSettings::IntegralBackstepping(PerAxis::new(
         IntegralGains {
-            position: 10.810547171548155,
-            rate: 5.531790680604438,
-            weight: 1.1055907107902954,
-            integral: 22.796745214168027,
+            position: 11.911010888559105,
+            rate: 3.43850211885494,
+            weight: 0.8359206554590607,
+            integral: 28.87797997956994,
         },
         IntegralGains {
-            position: 6.7685244870970696,
-            rate: 7.568897614156246,
-            weight: 0.11344385510375389,
-            integral: 13.279476390353466,
+            position: 6.502798455173586,
+            rate: 7.929395544874434,
+            weight: 0.15010007052533436,
+            integral: 12.158988899216371,
         },
     )),
     estimator: EstimatorSettings::ExtendedState {
-        bandwidth: PerAxis::new(28.864088518981678, 29.266292501829987),
+        bandwidth: PerAxis::new(32.95802861307172, 37.355016713855186),
     },
     filter: Some(FilterSettings {
-        bandwidth: PerAxis::new(14.747736371232548, 11.838036974533976),
-        damping: Some(PerAxis::new(3.230710391923667, 2.32765309553848)),
-        advance: Some(PerAxis::new(0.04896828858888367, 0.02710225290469658)),
-        reach: Some(PerAxis::new(0.2617993877991494, 0.6981317007977318)),
+        bandwidth: PerAxis::new(9.350292359836233, 13.901998365490329),
+        damping: Some(PerAxis::new(2.0321996922966066, 2.8109004126080794)),
+        advance: Some(PerAxis::new(0.038338992196015394, 0.044474005555528134)),
+        reach: Some(PerAxis::new(0.2618, 0.69813)),
     }),
-    allocation: AllocationSettings::Weighted { pitch_weight: 1.7024710279536395 },
-    lead: Some(Lead { factor: 3.3983211817327694 }),
-    cancellation: Some(PerAxis::new(0.13001409878440218, 0.4005506928353708)),
+    allocation: AllocationSettings::Weighted { pitch_weight: 2.096298051756671 },
+    lead: Some(Lead { factor: 2.8491019903355843 }),
+    cancellation: Some(PerAxis::new(0.10701994325577034, 0.35974027920401663)),
 };
 
 /// For [`presets::AERO`](crate::plant::presets::AERO): `gains/aero.toml`.

@@ -1,5 +1,6 @@
 use super::*;
 use crate::closed_loop::{ClosedLoop, Hardware, RigLoop};
+use crate::gains_file::GainsFile;
 use twinrotor::defaults;
 use twinrotor::plant::presets;
 
@@ -62,7 +63,7 @@ fn the_slowest_pole_is_that_of_the_characteristic_equation() {
 }
 
 /// \[x, x, x, ms\] Upper thrust, lag and inertia margin and delay margin, from the eigenvalues of an
-/// independent f64 model of the sampled loop.
+/// independent f64 model of the sampled loop; `paper` and `paper-fixed` with the gains in `eigenvalues/`.
 const EIGENVALUES: [(&str, [f64; 4]); 5] = [
     ("paper", [2.5, 3.2, 6.7, 9.0]),
     ("paper-fixed", [2.8, 3.7, 6.0, 45.0]),
@@ -74,8 +75,14 @@ const EIGENVALUES: [(&str, [f64; 4]); 5] = [
 #[test]
 fn the_edges_are_those_of_the_eigenvalues() {
     for ((name, expected), (_, rig)) in EIGENVALUES.into_iter().zip(presets::ALL) {
-        let settings = Settings::new(&rig, defaults::named(name).unwrap(), SAMPLE_TIME);
-        let found = Margins::of(&rig, &settings);
+        let file =
+            |text: &str| GainsFile::load("eigenvalues.toml", &|_| Ok(text.to_owned())).unwrap().controller;
+        let tuned = match name {
+            "paper" => file(include_str!("eigenvalues/paper.toml")),
+            "paper-fixed" => file(include_str!("eigenvalues/paper-fixed.toml")),
+            _ => defaults::named(name).unwrap(),
+        };
+        let found = Margins::of(&rig, &Settings::new(&rig, tuned, SAMPLE_TIME));
         let delay = found.delay_ms.map(f64::from);
         for (found, expected) in
             [found.thrust[1], found.lag[1], found.inertia[1], delay].into_iter().zip(expected)
