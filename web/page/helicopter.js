@@ -71,8 +71,11 @@ export class Helicopter {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** @param {Record<string, number>} row of samples @param {number} now in ms */
-  draw(row, now) {
+  /**
+   * @param {Record<string, number>} row of samples @param {number} now in ms
+   * @param {number} part of the pixels that there are, in each direction
+   */
+  draw(row, now, part) {
     const passed = this.before === undefined ? 0 : Math.min((now - this.before) / 1000, 0.1);
     this.before = now;
     // Of a rig that is not simulated nobody knows what is in effect at the rotors, but what the motors get.
@@ -82,7 +85,7 @@ export class Helicopter {
     this.turned.tail += turns(row.tail_rotor, row.tail_volts);
     const { gl, canvas } = this;
     if (!gl) return;
-    const scale = Math.min(devicePixelRatio, 2);
+    const scale = part * Math.min(devicePixelRatio, 2);
     const [width, height] = [canvas.clientWidth * scale, canvas.clientHeight * scale].map(Math.round);
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     gl.viewport(0, 0, width, height);

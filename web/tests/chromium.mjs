@@ -32,6 +32,9 @@ export class Chromium {
         "--hide-scrollbars",
         "--enable-unsafe-swiftshader",
         "--use-angle=swiftshader",
+        // Debian's launcher asks for a card's rasterization; emulated, it takes half a second a frame.
+        "--disable-gpu-compositing",
+        "--disable-gpu-rasterization",
         `--user-data-dir=${this.folder}`,
         "about:blank",
       ],
