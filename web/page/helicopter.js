@@ -32,7 +32,10 @@ export class Helicopter {
     this.turned = { main: 0, tail: 0 };
     /** @type {number | undefined} */
     this.before = undefined;
-    const gl = this.canvas.getContext("webgl2", { antialias: true, alpha: true });
+    // Smooth edges where a card draws them: by software they block the page for 50 ms a frame.
+    const gl =
+      this.canvas.getContext("webgl2", { antialias: true, failIfMajorPerformanceCaveat: true }) ??
+      this.canvas.getContext("webgl2", { antialias: false });
     byId("no-webgl").hidden = gl !== null;
     this.gl = gl;
     if (gl) this.prepare(gl);
