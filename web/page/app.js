@@ -12,6 +12,7 @@ import { History } from "./history.js";
 import { Lessons } from "./lessons.js";
 import { read, write } from "./link.js";
 import { Module } from "./machine.js";
+import { Pace } from "./pace.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Recorder } from "./recorder.js";
@@ -24,8 +25,6 @@ import { Tuner } from "./tuner.js";
 
 /** How often words are renewed, in ms; a program that has the board hears by that that somebody is here. */
 const WORDS_EVERY = 100;
-/** How often plots are redrawn, in ms. */
-const PLOTS_EVERY = 30;
 
 async function main() {
   const bytes = await carried("wasm");
@@ -66,6 +65,7 @@ async function main() {
     machine instanceof Module ? new Player(machine, samples, attempt, about.record_bytes, clear) : undefined;
   machine.rows = (rows) => player?.rows || samples.take(rows);
 
+  const pace = new Pace();
   let rowsBefore = -1;
   let drawn = 0;
   const clock = new Clock(
@@ -73,10 +73,10 @@ async function main() {
     () => {
       const now = performance.now();
       const held = plots.range;
-      const row = samples.row(held?.[1]);
-      if (row) helicopter.draw(row, now);
+      const row = pace.frame(now) ? samples.row(held?.[1]) : undefined;
+      if (row) helicopter.draw(row, now, pace.level.part);
       const seen = samples.end + (held ? held[0] + held[1] : 0);
-      if (seen !== rowsBefore && now - drawn >= PLOTS_EVERY) {
+      if (seen !== rowsBefore && now - drawn >= pace.level.plots) {
         plots.draw();
         [rowsBefore, drawn] = [seen, now];
       }
@@ -178,6 +178,7 @@ async function main() {
     });
     document.addEventListener("visibilitychange", () => {
       clock.before = undefined;
+      pace.forget();
     });
   };
 
@@ -210,7 +211,7 @@ async function main() {
   setInterval(words, WORDS_EVERY);
   clock.start();
   // For whoever drives the page: a test, a teacher at the browser's console.
-  Object.assign(window, { twinrotor: { machine, samples, clock, plots, serial, player, bytes } });
+  Object.assign(window, { twinrotor: { machine, samples, clock, pace, plots, serial, player, bytes } });
   document.body.dataset.ready = "yes";
 }
 

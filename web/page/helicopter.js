@@ -32,7 +32,10 @@ export class Helicopter {
     this.turned = { main: 0, tail: 0 };
     /** @type {number | undefined} */
     this.before = undefined;
-    const gl = this.canvas.getContext("webgl2", { antialias: true, alpha: true });
+    // Smooth edges where a card draws them: by software they block the page for 50 ms a frame.
+    const gl =
+      this.canvas.getContext("webgl2", { antialias: true, failIfMajorPerformanceCaveat: true }) ??
+      this.canvas.getContext("webgl2", { antialias: false });
     byId("no-webgl").hidden = gl !== null;
     this.gl = gl;
     if (gl) this.prepare(gl);
@@ -71,8 +74,11 @@ export class Helicopter {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** @param {Record<string, number>} row of samples @param {number} now in ms */
-  draw(row, now) {
+  /**
+   * @param {Record<string, number>} row of samples @param {number} now in ms
+   * @param {number} part of the pixels that there are, in each direction
+   */
+  draw(row, now, part) {
     const passed = this.before === undefined ? 0 : Math.min((now - this.before) / 1000, 0.1);
     this.before = now;
     // Of a rig that is not simulated nobody knows what is in effect at the rotors, but what the motors get.
@@ -82,7 +88,7 @@ export class Helicopter {
     this.turned.tail += turns(row.tail_rotor, row.tail_volts);
     const { gl, canvas } = this;
     if (!gl) return;
-    const scale = Math.min(devicePixelRatio, 2);
+    const scale = part * Math.min(devicePixelRatio, 2);
     const [width, height] = [canvas.clientWidth * scale, canvas.clientHeight * scale].map(Math.round);
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     gl.viewport(0, 0, width, height);

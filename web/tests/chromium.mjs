@@ -32,8 +32,7 @@ export class Chromium {
         "--hide-scrollbars",
         "--enable-unsafe-swiftshader",
         "--use-angle=swiftshader",
-        // As a browser does where there is no graphics card: only what is drawn in three dimensions goes by
-        // way of one that is computed.
+        // Debian's launcher asks for a card's rasterization; emulated, it takes half a second a frame.
         "--disable-gpu-compositing",
         "--disable-gpu-rasterization",
         `--user-data-dir=${this.folder}`,

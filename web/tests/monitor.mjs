@@ -78,7 +78,7 @@ async function shot(
 
 /**
  * In the page: how long ago the board said the newest row of those just drawn, in ms, sorted; for so many ms
- * the plots are drawn 30 times a second, if the browser finds the time.
+ * the plots are drawn 30 times a second. When a browser shows what is drawn is its own affair.
  * @param {number} lasts
  */
 async function delaysToPixel(lasts) {
@@ -163,18 +163,20 @@ async function journey() {
     assert.ok(script < 8, `${script} ms a frame`);
     assert.ok(grown < 4, `${grown} MB`);
   });
-  await step("what the board says is drawn within 100 ms, 95 of 100 times", async () => {
-    // A machine that is busy with other things keeps the browser waiting, too: the best of three tells.
-    let least = Infinity;
-    for (let k = 0; k < 3 && least >= 100; k += 1) {
+  await step("what the board says is drawn within 100 ms, 95 times of 100", async () => {
+    // A machine that is busy with other things keeps the browser waiting, too: one quiet spell of three tells.
+    let late = Infinity;
+    for (let spell = 0; spell < 3 && late >= 100; spell += 1) {
       const delays = await browser.value(`(${delaysToPixel})(10_000)`);
       const at = (/** @type {number} */ share) => delays[Math.floor(share * (delays.length - 1))];
+      const level = await browser.value("window.twinrotor.pace.at");
+      late = at(0.95);
       console.log(
-        `    ${delays.length} times; median ${at(0.5).toFixed(0)} ms, 95 % ${at(0.95).toFixed(0)} ms`,
+        `    ${delays.length} times; median ${at(0.5).toFixed(0)} ms, 95 % ${late.toFixed(0)} ms, ` +
+          `${level} steps less drawn`,
       );
-      least = Math.min(least, at(0.95));
     }
-    assert.ok(least < 100, `${least} ms`);
+    assert.ok(late < 100, `${late} ms`);
   });
   await shot("monitor.png", 1280, 800);
   await shot("monitor-phone.png", 390, 844);
@@ -219,6 +221,27 @@ async function journey() {
     await browser.click("#take");
     await browser.until("document.querySelector('#control').hidden", 5_000);
     await arm();
+  });
+  await step("refuses a record beside a board, and stays where it is", async () => {
+    await browser.value(`(() => {
+      const event = new Event("drop", { bubbles: true, cancelable: true });
+      if (document.body.dispatchEvent(event)) throw new Error("the browser would open the file");
+    })()`);
+    await browser.until("document.querySelector('#told').textContent.includes('host-sim page --out')", 5_000);
+    await state("armed");
+  });
+  await step("draws less on a machine that is late, and all again on one that is quick", async () => {
+    const levels = await browser.value(`(() => {
+      const mine = new window.twinrotor.pace.constructor(), levels = [];
+      let now = 0;
+      const fly = (seconds, interval) => {
+        for (const end = now + 1000 * seconds; now < end; now += interval) mine.frame(now);
+        levels.push(mine.at);
+      };
+      for (const [seconds, interval] of [[10, 17], [10, 150], [10, 33], [60, 17]]) fly(seconds, interval);
+      return levels;
+    })()`);
+    assert.deepEqual(levels, [0, 4, 4, 0]);
   });
   await step("tunes without a module of its own", async () => {
     await browser.value("document.querySelector('#search').open = true");

@@ -18,7 +18,7 @@ macro_rules! modules {
     };
 }
 
-const MODULES: [Module; 27] = modules![
+const MODULES: [Module; 28] = modules![
     "app.js",
     "attempt.js",
     "boot.js",
@@ -34,6 +34,7 @@ const MODULES: [Module; 27] = modules![
     "machine.js",
     "matrix.js",
     "mesh.js",
+    "pace.js",
     "player.js",
     "plots.js",
     "recorder.js",
