@@ -18,7 +18,7 @@ const LEVELS = [
 const JUDGED = 1000;
 /** Mean ms between two frames: above the one a level less is drawn, below the other more is tried. */
 const [LATE, QUICK] = [40, 25];
-/** Quick seconds in a row before more is tried; twice as many each time that it was too much, up to the most. */
+/** Quick seconds in a row before more is tried; twice as many each time it was too much, up to the most. */
 const [PATIENCE, MOST_PATIENCE] = [4, 64];
 
 export class Pace {

@@ -164,7 +164,7 @@ async function journey() {
     assert.ok(grown < 4, `${grown} MB`);
   });
   await step("what the board says is drawn within 100 ms, 95 times of 100", async () => {
-    // A machine that is busy with other things keeps the browser waiting, too: one quiet spell of three tells.
+    // A machine that is busy with other things keeps the browser waiting: one quiet spell of three tells.
     let late = Infinity;
     for (let spell = 0; spell < 3 && late >= 100; spell += 1) {
       const delays = await browser.value(`(${delaysToPixel})(10_000)`);
