@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# On a machine with an NVIDIA card: every bit against the processor's, then a table of speeds for
-# docs/speed.md, then plain JAX beside it. At most five minutes beside the build. (`--build` only builds, for
+# On a machine with an NVIDIA card: every bit against the processor's, then the table of speeds of
+# docs/gpu.md, then plain JAX beside it. At most five minutes beside the build. (`--build` only builds, for
 # a machine that reaches no registry: target/gpu-check is all that has to be carried there.)
 #
 #     scripts/gpu-check.sh [--build]

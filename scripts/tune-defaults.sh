@@ -1,7 +1,8 @@
 #!/bin/sh
-# Tunes the committed gains of every preset, or of those named, from their seeds: the same files, byte for
-# byte, as long as law and plants are what they are (docs/rig-law.md says which were tuned before that). One
-# to five minutes for each preset on two cores.
+# Makes the committed gains of every preset, or of those named: `aero`, `aero2` and `aero-lab` are tuned from
+# their seeds, the others are taken from gains/starts/. The same files, byte for byte, as long as law and
+# plants are what they are (docs/rig-law.md says which were tuned before that). At most five minutes for each
+# preset on two cores.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --release -q -p host-sim

@@ -1,5 +1,5 @@
-//! On a card: are the bits this processor's, and how fast is it? `scripts/gpu-check.sh` runs it. Prints what
-//! docs/speed.md can take over; ends with a panic where a bit differs.
+//! On a card: are the bits this processor's, and how fast is it? `scripts/gpu-check.sh` runs it. Prints the
+//! table of docs/gpu.md; ends with a panic where a bit differs.
 //!
 //!     check [KERNELS.ptx...]
 //!

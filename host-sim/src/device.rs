@@ -33,8 +33,8 @@ impl FromStr for Choice {
     }
 }
 
-/// Flights of a rig that a core flies in the time of one launch, and those of the paper's world: computed
-/// from what was measured on one card and the processor beside it (docs/gpu.md).
+/// Flights of a rig that a core flies in the time of one launch, and those of the paper's world: a sixteenth
+/// of what the sixteen hardware threads beside one card flew (docs/gpu.md).
 pub const RIG_FLIGHTS: usize = 150;
 /// See there.
 pub const IDEAL_FLIGHTS: usize = 80;

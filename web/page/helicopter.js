@@ -79,7 +79,7 @@ export class Helicopter {
    * @param {number} part of the pixels that there are, in each direction
    */
   draw(row, now, part) {
-    const passed = this.before === undefined ? 0 : Math.min((now - this.before) / 1000, 0.1);
+    const passed = this.before === undefined ? 0 : Math.min((now - this.before) / 1000, 1);
     this.before = now;
     // Of a rig that is not simulated nobody knows what is in effect at the rotors, but what the motors get.
     const turns = (/** @type {number} */ known, /** @type {number} */ given) =>

@@ -6,7 +6,7 @@
 //!
 //! Whatever a kernel calls in its loop must be `#[inline(always)]`: a function of its own would be compiled
 //! for the plainest processor. Where it is compiled for no other, in builds for tests, the largest of them
-//! are functions of their own all the same: a first build would spend a third of its time on their copies.
+//! are functions of their own all the same: a first build would spend much of its time on their copies.
 
 use fearless_simd::{
     Level, Select as _, Simd, SimdBase as _, SimdFloat as _, SimdMask as _, f32x16, mask32x16,

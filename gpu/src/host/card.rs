@@ -165,6 +165,9 @@ impl<D: Driver> Card<D> {
             }
             let words = self.driver.download(&out)?;
             let (words, _) = words.as_chunks::<W>();
+            if words.len() != flights {
+                return Err(unsaid("it gave back fewer words than there are flights"));
+            }
             sums.par_extend(words.par_iter().map(|words| (kernel.read)(*words)));
         }
         Ok(Some(sums))

@@ -92,7 +92,7 @@ fn no_reference_tumbles_a_rig() {
         "preset: flights, left the envelope, swing afterwards, feasible, of these with over 15 % of error"
     );
     for (name, rig) in presets::ALL {
-        // `paper-fixed` has no thermal limit and is slower than `paper`: nothing new.
+        // `paper-fixed`, which has no thermal limit, flies when it is asked for (docs/rig-law.md).
         if only.as_ref().map_or(name == "paper-fixed", |only| only != name) {
             continue;
         }

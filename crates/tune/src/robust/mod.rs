@@ -81,7 +81,7 @@ fn is_above(costs: &[f64], bound: f64) -> bool {
 }
 
 /// After how many of these flights J is sure not to be below `bound`, asked group by group, if ever: with
-/// more of them it only rises.
+/// more of them it only rises, since no cost is negative.
 fn enough(costs: &[f64], bound: f64) -> Option<usize> {
     if bound == f64::INFINITY {
         return None;
