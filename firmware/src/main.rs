@@ -3,7 +3,8 @@
 //! The tick is an interrupt of the highest priority, raised by the timer that also makes the PWM ([`tick`]).
 //! It alone drives the motors, through [`port`]. All else is in the thread: the serial link ([`serial`]), the
 //! parameters in flash ([`storage`]), the status LED. The two share lock-free queues and atomics
-//! ([`shared`]), and no critical section of the thread masks the tick ([`critical`]).
+//! ([`shared`]), and no critical section of the thread masks the tick ([`critical`]); what must, waits until
+//! the tick has stood aside with the motors off ([`quiesce`]).
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
