@@ -32,9 +32,9 @@
 //! 8. [`telemetry`]: the frame of the tick.
 //!
 //! [`pipeline`] is steps 2, 4 (governor and filter), 5 and 6 over any [`Real`](real::Real);
-//! [`control_loop`] is the whole tick in `f32`. While the supervisor says so, [`first_power`] takes the place
-//! of steps 4 to 6: it turns one motor at a time to check the wiring. [`replay`] takes a recorded tick through
-//! the pipeline, [`trial`] another controller through a flight.
+//! [`control_loop`] is the whole tick in `f32`. While the supervisor says so, [`first_power`] takes the
+//! place of steps 4 to 6: it turns one motor at a time to check the wiring. [`replay`] takes a recorded tick
+//! through the pipeline, [`trial`] another controller through a flight.
 //!
 //! # Beside the tick
 //!
