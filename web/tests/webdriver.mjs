@@ -1,0 +1,164 @@
+// @ts-check
+// A browser that is driven as the standard has it (https://www.w3.org/TR/webdriver2/): a driver program of its
+// vendor is asked over HTTP. No package beside Node. What a vendor has beyond that is in a file of its own.
+
+import { spawn } from "node:child_process";
+import { resolve } from "node:path";
+
+/** How long a driver may take until it listens, in ms. */
+const BEGINS = 20_000;
+/** How long a script may take in the page, in ms: a long flight of a board at a port. */
+const SCRIPT = 240_000;
+/** By what an element goes in an answer. */
+const ELEMENT = "element-6066-11e4-a52e-4f735466cecf";
+/** What stands for keys that are no characters. @type {Map<string, string>} */
+const KEYS = new Map([
+  ["Enter", "\ue007"],
+  ["Escape", "\ue00c"],
+]);
+
+export class WebDriver {
+  /**
+   * A driver program and a session with it.
+   * @param {string} program
+   * @param {object} capabilities that the session must have
+   */
+  constructor(program, capabilities) {
+    this.process = spawn(program, ["--port=0"], { stdio: ["ignore", "pipe", "ignore"] });
+    // However this program ends, the driver ends with it, and with the driver its browser.
+    const end = () => void this.process.kill("SIGKILL");
+    process.once("exit", end);
+    for (const signal of ["SIGINT", "SIGTERM", "SIGHUP"]) process.once(signal, () => process.exit(1));
+    this.capabilities = capabilities;
+    /** Of the driver, then of the session. */
+    this.at = "";
+    /** What the session has. @type {Record<string, any>} */
+    this.has = {};
+  }
+
+  /** Until there is a browser. */
+  async begin() {
+    let told = "";
+    const port = await new Promise((go, fail) => {
+      const late = setTimeout(() => fail(new Error(`the driver does not listen: ${told}`)), BEGINS);
+      this.process.once("error", fail);
+      this.process.once("exit", () => fail(new Error(`the driver has ended: ${told}`)));
+      this.process.stdout.on("data", (chunk) => {
+        told += chunk;
+        const found = /successfully on port (\d+)/.exec(told);
+        if (!found) return;
+        clearTimeout(late);
+        go(found[1]);
+      });
+    });
+    this.at = `http://127.0.0.1:${port}/session`;
+    const alwaysMatch = { timeouts: { script: SCRIPT }, ...this.capabilities };
+    const { sessionId, capabilities } = await this.ask("", { capabilities: { alwaysMatch } });
+    this.at += `/${sessionId}`;
+    this.has = capabilities;
+  }
+
+  /**
+   * Asks the driver: with something to say, to do it.
+   * @param {string} path
+   * @param {object} [what]
+   * @param {string} [method]
+   * @returns {Promise<any>}
+   */
+  async ask(path, what, method = what ? "POST" : "GET") {
+    const answer = await fetch(this.at + path, { method, body: what && JSON.stringify(what) });
+    const { value } = /** @type {any} */ (await answer.json());
+    if (!answer.ok) throw new Error(`${path}: ${value.error}: ${value.message}`);
+    return value;
+  }
+
+  /** Opens a page of ours. @param {string} url */
+  async open(url) {
+    await this.ask("/url", { url });
+    await this.until("document.body?.dataset.ready === 'yes'", 20_000);
+  }
+
+  /** Does something in the page. @param {string} script statements */
+  async run(script) {
+    return this.ask("/execute/sync", { script, args: [] });
+  }
+
+  /** What an expression comes to in the page. @param {string} expression */
+  async value(expression) {
+    return this.run(`return (${expression})`).catch((error) => {
+      throw new Error(`${expression}: ${error.message}`);
+    });
+  }
+
+  /** Waits until an expression is true. @param {string} expression @param {number} most in ms */
+  async until(expression, most) {
+    const end = Date.now() + most;
+    while (Date.now() < end) {
+      if (await this.value(expression)) return;
+      await new Promise((go) => setTimeout(go, 50));
+    }
+    const shown = await this.value("document.body.innerText.slice(0, 1500)");
+    throw new Error(`after ${most} ms still not: ${expression}; the page has: ${shown}`);
+  }
+
+  /** An element, in the middle of what is in sight: the page's head covers what is above. */
+  async element(/** @type {string} */ selector) {
+    const element = await this.run(`const element = document.querySelector(${JSON.stringify(selector)});
+      element?.scrollIntoView({ block: "center" });
+      return element;`);
+    if (!element) throw new Error(`the page has no ${selector}`);
+    return /** @type {string} */ (element[ELEMENT]);
+  }
+
+  /** Presses a key, and lets it go. @param {string} key @param {number} [held] in ms */
+  async key(key, held = 0) {
+    const value = KEYS.get(key) ?? key;
+    const actions = [
+      { type: "keyDown", value },
+      { type: "pause", duration: held },
+      { type: "keyUp", value },
+    ];
+    await this.ask("/actions", { actions: [{ type: "key", id: "keys", actions }] });
+  }
+
+  /** Clicks an element, which nothing may cover. @param {string} selector */
+  async click(selector) {
+    await this.ask(`/element/${await this.element(selector)}/click`, {});
+  }
+
+  /** Holds the mouse's button down upon an element. @param {string} selector @param {number} held in ms */
+  async hold(selector, held) {
+    const origin = { [ELEMENT]: await this.element(selector) };
+    const actions = [
+      { type: "pointerMove", origin, x: 0, y: 0, duration: 0 },
+      { type: "pointerDown", button: 0 },
+      { type: "pause", duration: held },
+      { type: "pointerUp", button: 0 },
+    ];
+    const mouse = { type: "pointer", id: "mouse", parameters: { pointerType: "mouse" }, actions };
+    await this.ask("/actions", { actions: [mouse] });
+  }
+
+  /** Chooses a file as a person does. @param {string} selector @param {string} file */
+  async choose(selector, file) {
+    await this.ask(`/element/${await this.element(selector)}/value`, { text: resolve(file) });
+  }
+
+  /** A window that shows so much of a page. @param {number} width @param {number} height */
+  async window(width, height) {
+    const [more, higher] = await this.value("[outerWidth - innerWidth, outerHeight - innerHeight]");
+    await this.ask("/window/rect", { width: width + more, height: height + higher });
+  }
+
+  /** @returns {Promise<Buffer>} of PNG */
+  async screenshot() {
+    return Buffer.from(await this.ask("/screenshot"), "base64");
+  }
+
+  async close() {
+    const ended = new Promise((go) => this.process.once("exit", go));
+    // The browser ends by itself, and its profile goes; or it ends with its driver.
+    if (this.has.browserName) await this.ask("", undefined, "DELETE").catch(() => {});
+    if (this.process.kill()) await ended;
+  }
+}
