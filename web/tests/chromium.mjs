@@ -2,8 +2,7 @@
 // A headless Chromium by its driver, and what only Chromium has: `goog/cdp/execute` passes a word of its
 // DevTools' protocol on. Debian has both programs: apt-get install chromium chromium-driver
 
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { existsSync } from "node:fs";
 import { join } from "node:path";
 import { WebDriver } from "./webdriver.mjs";
 
@@ -37,8 +36,7 @@ export class Chromium extends WebDriver {
 
   /** @param {string} program @param {string} driver */
   constructor(program, driver) {
-    const downloads = mkdtempSync(join(tmpdir(), "twinrotor-page-"));
-    super(driver, {
+    super(driver, (downloads) => ({
       browserName: "chrome",
       "goog:loggingPrefs": { browser: "ALL", performance: "ALL" },
       "goog:chromeOptions": {
@@ -59,9 +57,7 @@ export class Chromium extends WebDriver {
           "--disable-gpu-rasterization",
         ],
       },
-    });
-    /** Where it puts what is downloaded. */
-    this.downloads = downloads;
+    }));
   }
 
   /** The browser's process, which the standard does not tell. @returns {number} */
@@ -122,16 +118,11 @@ export class Chromium extends WebDriver {
 
   /** Where a file is, once it has been downloaded. @param {string} name @returns {Promise<string>} */
   async downloaded(name) {
-    const place = join(this.downloads, name);
+    const place = join(this.folder, name);
     for (const end = Date.now() + 10_000; !existsSync(place); ) {
       if (Date.now() > end) throw new Error(`${name} was not downloaded`);
       await new Promise((go) => setTimeout(go, 50));
     }
     return place;
-  }
-
-  async close() {
-    await super.close();
-    rmSync(this.downloads, { recursive: true, force: true, maxRetries: 5 });
   }
 }

@@ -3,7 +3,9 @@
 // vendor is asked over HTTP. No package beside Node. What a vendor has beyond that is in a file of its own.
 
 import { spawn } from "node:child_process";
-import { resolve } from "node:path";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
 
 /** How long a driver may take until it listens, in ms. */
 const BEGINS = 20_000;
@@ -21,15 +23,20 @@ export class WebDriver {
   /**
    * A driver program and a session with it.
    * @param {string} program
-   * @param {object} capabilities that the session must have
+   * @param {(folder: string) => object} capabilities that the session must have
    */
   constructor(program, capabilities) {
-    this.process = spawn(program, ["--port=0"], { stdio: ["ignore", "pipe", "ignore"] });
+    /** What driver and browser write is here, until they have ended. */
+    this.folder = mkdtempSync(join(tmpdir(), "twinrotor-page-"));
+    const env = { ...process.env, TMPDIR: this.folder };
+    this.process = spawn(program, ["--port=0"], { stdio: ["ignore", "pipe", "ignore"], env });
     // However this program ends, the driver ends with it, and with the driver its browser.
-    const end = () => void this.process.kill("SIGKILL");
-    process.once("exit", end);
+    process.once("exit", () => {
+      this.process.kill("SIGKILL");
+      this.clear();
+    });
     for (const signal of ["SIGINT", "SIGTERM", "SIGHUP"]) process.once(signal, () => process.exit(1));
-    this.capabilities = capabilities;
+    this.capabilities = capabilities(this.folder);
     /** Of the driver, then of the session. */
     this.at = "";
     /** What the session has. @type {Record<string, any>} */
@@ -160,5 +167,10 @@ export class WebDriver {
     // The browser ends by itself, and its profile goes; or it ends with its driver.
     if (this.has.browserName) await this.ask("", undefined, "DELETE").catch(() => {});
     if (this.process.kill()) await ended;
+    this.clear();
+  }
+
+  clear() {
+    rmSync(this.folder, { recursive: true, force: true, maxRetries: 5 });
   }
 }
