@@ -70,7 +70,11 @@ async function journey() {
   await step("tells how the board is, and arms none", async () => {
     await told("play-told", /^The board is now: ready\. STOP, Space and Esc switch its motors off/);
     for (const hidden of [".steps", "#arm", "#take", "#settings", "#record-begin"])
-      assert.equal(await browser.value(`document.querySelector("${hidden}").checkVisibility()`), false, hidden);
+      assert.equal(
+        await browser.value(`document.querySelector("${hidden}").checkVisibility()`),
+        false,
+        hidden,
+      );
     assert.match(await refusal({ supervisor: "arm" }), /take over first/);
   });
   await step("what is no record is told, and the other is played on", async () => {
@@ -103,10 +107,15 @@ async function journey() {
     await browser.click("#play-end");
     await state("ready");
     const times = await browser.value("Array.from(window.twinrotor.samples.window(['time'], 0, 1e9)[0])");
-    const long = times.filter((/** @type {number} */ time, /** @type {number} */ k) => time - times[k - 1] > 0.0075);
+    const long = times.filter(
+      (/** @type {number} */ time, /** @type {number} */ k) => time - times[k - 1] > 0.0075,
+    );
     assert.deepEqual(long, []);
     assert.ok(times.length > 1_000, `${times.length} rows`);
-    await browser.until("window.twinrotor.machine.controls && !document.querySelector('#arm').disabled", 20_000);
+    await browser.until(
+      "window.twinrotor.machine.controls && !document.querySelector('#arm').disabled",
+      20_000,
+    );
     await browser.hold("#arm", 1_500);
     await state("armed");
   });
@@ -116,7 +125,10 @@ async function journey() {
   const own = new URL(await url).host;
   const asked = await browser.requests();
   assert.ok(asked.some((one) => one.endsWith("/record")));
-  assert.deepEqual(asked.filter((one) => !/^(data|blob):/.test(one) && new URL(one).host !== own), []);
+  assert.deepEqual(
+    asked.filter((one) => !/^(data|blob):/.test(one) && new URL(one).host !== own),
+    [],
+  );
 }
 
 try {

@@ -1,6 +1,6 @@
 // @ts-check
-// The page, driven in a headless Chromium as a person would, by mouse and keys, over WebDriver. Its bits, its search and its
-// fingerprints are compared with what the same code gives on this machine.
+// The page, driven in a headless Chromium as a person would, by mouse and keys, over WebDriver. Its bits, its
+// search and its fingerprints are compared with what the same code gives on this machine.
 //
 //     node web/tests/page.mjs heli.html FINGERPRINTS GAINS.toml [SCREENSHOTS]
 
@@ -66,6 +66,7 @@ async function journey() {
     assert.match(why, /the encoders have no zero yet; the first-power check has not been passed/);
   });
   await step("checks the wiring and zeroes", async () => {
+    await choose("speed", "20");
     await browser.click("#check");
     await state("checking");
     await sooner("document.querySelector('#state').textContent === 'disarmed'", 60_000);

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 
-/** @typedef {import("./webdriver.mjs").WebDriver} WebDriver */
+/** @typedef {import("./driven.mjs").Driven} Driven */
 
 const DEGREES = 180 / Math.PI;
 
@@ -21,10 +21,10 @@ export function same(got, wanted, what) {
   assert.ok(near, `${what}: ${got} is not ${wanted}`);
 }
 
-/** The row that is drawn last. @param {WebDriver} browser */
+/** The row that is drawn last. @param {Driven} browser */
 export const shown = (browser) => browser.value("({ ...window.twinrotor.samples.row() })");
 
-/** @param {WebDriver} browser @param {number} time in s */
+/** @param {Driven} browser @param {number} time in s */
 export const seek = (browser, time) =>
   browser.run(`const slider = document.querySelector("#play-at");
     slider.value = "${time}";
@@ -33,19 +33,22 @@ export const seek = (browser, time) =>
 /** Angles in a file are in rad, on the page in degrees. @param {string} value */
 export const inDegrees = (value) => Number(value) * DEGREES;
 
-/** Chooses a file and waits until it is played. @param {WebDriver} browser @param {string} file */
+/** Chooses a file and waits until it is played. @param {Driven} browser @param {string} file */
 export async function choose(browser, file) {
   await browser.run("document.querySelector('#play-name').textContent = ''");
   await browser.choose("#record", file);
   const name = file.split("/").at(-1);
-  await browser.until(`document.querySelector("#play:not([hidden]) #play-name")?.textContent === "${name}"`, 20_000);
+  await browser.until(
+    `document.querySelector("#play:not([hidden]) #play-name")?.textContent === "${name}"`,
+    20_000,
+  );
   await browser.until("document.querySelector('#state').textContent === 'a record'", 5_000);
   assert.match(await browser.value("document.querySelector('#played').innerText"), /a record, not a board/);
 }
 
 /**
  * What is shown is what `fly` recorded; what a tick decided acts in the next.
- * @param {WebDriver} browser
+ * @param {Driven} browser
  * @param {Record<string, string>[]} rows
  */
 export async function compare(browser, rows) {
@@ -67,7 +70,7 @@ export async function compare(browser, rows) {
   }
 }
 
-/** It plays by itself, and stands when it is paused. @param {WebDriver} browser */
+/** It plays by itself, and stands when it is paused. @param {Driven} browser */
 export async function playsAndPauses(browser) {
   const { time } = await shown(browser);
   await browser.until(`window.twinrotor.samples.row().time > ${time + 0.2}`, 20_000);

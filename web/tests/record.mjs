@@ -20,10 +20,7 @@ async function recorded() {
   await browser.click("#record-begin");
   await browser.until("document.querySelector('#record-told').textContent.includes('ticks')", 5_000);
   await new Promise((go) => setTimeout(go, 2_000));
-  assert.equal(
-    await browser.value("document.querySelector('#record-begin').textContent"),
-    "end the record",
-  );
+  assert.equal(await browser.value("document.querySelector('#record-begin').textContent"), "end the record");
   await browser.click("#record-begin");
   const file = await browser.downloaded("flight.csv");
   const rows = table(file);

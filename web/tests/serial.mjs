@@ -146,7 +146,8 @@ async function journey() {
     // Who plays a record would not see the board.
     await browser.run(`const dataTransfer = new DataTransfer();
       dataTransfer.items.add(new File(["t,pitch,yaw\\n0,0,0\\n"], "a.csv"));
-      document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));`);
+      document.body.dispatchEvent(
+        new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));`);
     await told("told", /leave the board first/);
     assert.equal(await browser.value("document.querySelector('#play').hidden"), true);
     // Nothing of a simulated rig is offered.

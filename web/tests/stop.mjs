@@ -3,7 +3,7 @@
 
 /**
  * How long after `key` came to the browser no motor gets volts any more, as the page is told it.
- * @param {import("./webdriver.mjs").WebDriver} browser
+ * @param {import("./driven.mjs").Driven} browser
  * @param {string} key
  * @returns {Promise<number>} ms
  */

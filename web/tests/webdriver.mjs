@@ -1,11 +1,12 @@
 // @ts-check
-// A browser that is driven as the standard has it (https://www.w3.org/TR/webdriver2/): a driver program of its
-// vendor is asked over HTTP. No package beside Node. What a vendor has beyond that is in a file of its own.
+// A browser that is driven as the standard has it (https://www.w3.org/TR/webdriver2/): a driver program of
+// its vendor is asked over HTTP. No package beside Node. What a vendor has beyond that is in another file.
 
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
+import { Driven } from "./driven.mjs";
 
 /** How long a driver may take until it listens, in ms. */
 const BEGINS = 20_000;
@@ -13,19 +14,15 @@ const BEGINS = 20_000;
 const SCRIPT = 240_000;
 /** By what an element goes in an answer. */
 const ELEMENT = "element-6066-11e4-a52e-4f735466cecf";
-/** What stands for keys that are no characters. @type {Map<string, string>} */
-const KEYS = new Map([
-  ["Enter", "\ue007"],
-  ["Escape", "\ue00c"],
-]);
 
-export class WebDriver {
+export class WebDriver extends Driven {
   /**
    * A driver program and a session with it.
    * @param {string} program
    * @param {(folder: string) => object} capabilities that the session must have
    */
   constructor(program, capabilities) {
+    super();
     /** What driver and browser write is here, until they have ended. */
     this.folder = mkdtempSync(join(tmpdir(), "twinrotor-page-"));
     const env = { ...process.env, TMPDIR: this.folder };
@@ -79,33 +76,19 @@ export class WebDriver {
     return value;
   }
 
-  /** Opens a page of ours. @param {string} url */
-  async open(url) {
-    await this.ask("/url", { url });
-    await this.until("document.body?.dataset.ready === 'yes'", 20_000);
+  /** @param {string} url */
+  navigate(url) {
+    return this.ask("/url", { url });
   }
 
-  /** Does something in the page. @param {string} script statements */
-  async run(script) {
+  /** @param {string} script */
+  run(script) {
     return this.ask("/execute/sync", { script, args: [] });
   }
 
-  /** What an expression comes to in the page. @param {string} expression */
-  async value(expression) {
-    return this.run(`return (${expression})`).catch((error) => {
-      throw new Error(`${expression}: ${error.message}`);
-    });
-  }
-
-  /** Waits until an expression is true. @param {string} expression @param {number} most in ms */
-  async until(expression, most) {
-    const end = Date.now() + most;
-    while (Date.now() < end) {
-      if (await this.value(expression)) return;
-      await new Promise((go) => setTimeout(go, 50));
-    }
-    const shown = await this.value("document.body.innerText.slice(0, 1500)");
-    throw new Error(`after ${most} ms still not: ${expression}; the page has: ${shown}`);
+  /** @param {object[]} actions */
+  perform(actions) {
+    return this.ask("/actions", { actions });
   }
 
   /** An element, in the middle of what is in sight: the page's head covers what is above. */
@@ -117,33 +100,9 @@ export class WebDriver {
     return /** @type {string} */ (element[ELEMENT]);
   }
 
-  /** Presses a key, and lets it go. @param {string} key @param {number} [held] in ms */
-  async key(key, held = 0) {
-    const value = KEYS.get(key) ?? key;
-    const actions = [
-      { type: "keyDown", value },
-      { type: "pause", duration: held },
-      { type: "keyUp", value },
-    ];
-    await this.ask("/actions", { actions: [{ type: "key", id: "keys", actions }] });
-  }
-
   /** Clicks an element, which nothing may cover. @param {string} selector */
   async click(selector) {
     await this.ask(`/element/${await this.element(selector)}/click`, {});
-  }
-
-  /** Holds the mouse's button down upon an element. @param {string} selector @param {number} held in ms */
-  async hold(selector, held) {
-    const origin = { [ELEMENT]: await this.element(selector) };
-    const actions = [
-      { type: "pointerMove", origin, x: 0, y: 0, duration: 0 },
-      { type: "pointerDown", button: 0 },
-      { type: "pause", duration: held },
-      { type: "pointerUp", button: 0 },
-    ];
-    const mouse = { type: "pointer", id: "mouse", parameters: { pointerType: "mouse" }, actions };
-    await this.ask("/actions", { actions: [mouse] });
   }
 
   /** Chooses a file as a person does. @param {string} selector @param {string} file */
