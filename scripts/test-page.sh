@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, against what
-# the same code gives on this machine; then as `host-sim monitor` serves it. What needs a program that is not
-# here says that it was not run. With a folder as argument, pictures of the page are put there.
+# The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, driven over
+# WebDriver, against what the same code gives on this machine; then as `host-sim monitor` serves it. What needs
+# a program that is not here says that it was not run. With a folder as argument, pictures of the page are put
+# there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=target/page
@@ -15,7 +16,9 @@ size=$(wc -c <$folder/heli.html)
 [ "$size" -le 600000 ] || { echo "the page has $size bytes; 600,000 are allowed"; exit 1; }
 
 $programs/examples/fingerprints 1000000 >$folder/fingerprints.txt
-$host_sim fly --scenario step --record $folder/flown.csv >/dev/null
+for kind in csv mcap; do
+  $host_sim fly --scenario step --record $folder/flown.$kind >/dev/null
+done
 $host_sim simulate --csv $folder/simulated.csv >/dev/null
 $host_sim tune --preset paper --seed 7 --out $folder/gains.toml >/dev/null
 
@@ -33,14 +36,20 @@ else
   echo "types not checked: there is no npx here (apt-get install npm)"
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
+axe=$folder/axe/node_modules/axe-core/axe.min.js
+[ -f $axe ] || ! command -v npm >/dev/null || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+
+# In a browser.
+begun=$SECONDS
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
 node web/tests/serial.mjs $folder/heli.html
-node web/tests/record.mjs $folder/heli.html $folder/flown.csv $folder/simulated.csv
-axe=$folder/axe/node_modules/axe-core/axe.min.js
-if command -v npm >/dev/null; then
-  [ -f $axe ] || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+node web/tests/record.mjs $folder/heli.html $folder/flown.csv $folder/flown.mcap $folder/simulated.csv
+if [ -f $axe ]; then
   node web/tests/axe.mjs $folder/heli.html $axe
 else
   echo "accessibility not checked: there is no npm here (apt-get install npm)"
 fi
+node web/tests/beside.mjs $host_sim $folder/flown.csv $folder/flown.mcap "${1:-}"
 node web/tests/monitor.mjs $host_sim 60 "${1:-}"
+echo "in a browser: $((SECONDS - begun)) s of the 180 that it may take"
+[ $((SECONDS - begun)) -le 180 ]

@@ -55,27 +55,27 @@ async function main() {
       : undefined;
 
   let board = -1;
-  const clear = () => {
-    board = -1;
-    samples.clear();
-    plots.follow();
-    plots.setLimits([]);
+  /** Of the motors, in V. @type {number[]} */
+  let limits = [];
+  /** The record, or the board. @param {History} [record] */
+  const draw = (record) => {
+    plots.show(record ?? samples, record ? [] : limits);
+    control?.show();
   };
-  const player =
-    machine instanceof Module ? new Player(machine, samples, attempt, about.record_bytes, clear) : undefined;
-  machine.rows = (rows) => player?.rows || samples.take(rows);
+  const player = new Player(machine, samples.names, plots, attempt, about.record_bytes, draw);
+  machine.rows = (rows) => samples.take(rows);
 
   const pace = new Pace();
   let rowsBefore = -1;
   let drawn = 0;
   const clock = new Clock(
-    (ticks) => (player?.rows ? player.pass(ticks) : machine.pass(ticks)),
+    (ticks) => (player.rows ? player.pass(ticks) : machine.pass(ticks)),
     () => {
       const now = performance.now();
-      const held = plots.range;
-      const row = pace.frame(now) ? samples.row(held?.[1]) : undefined;
+      const { range: held, history } = plots;
+      const row = pace.frame(now) ? history.row(held?.[1]) : undefined;
       if (row) helicopter.draw(row, now, pace.level.part);
-      const seen = samples.end + (held ? held[0] + held[1] : 0);
+      const seen = history.end + (held ? held[0] + held[1] : 0);
       if (seen !== rowsBefore && now - drawn >= pace.level.plots) {
         plots.draw();
         [rowsBefore, drawn] = [seen, now];
@@ -87,17 +87,19 @@ async function main() {
   let asking = false;
   /** Not with what is drawn: a page that draws slowly is still there. */
   async function words() {
-    if (asking) return;
-    if (player?.rows) {
+    if (player.rows) {
       player.show();
       span(player.time);
-      return;
     }
+    if (asking) return;
     asking = true;
     try {
-      await show(await machine.ask({ status: { since: steps.told } }));
+      const status = await machine.ask({ status: { since: steps.told } });
+      if (player.rows) player.tell(status);
+      else await show(status);
     } catch {
       // That nobody answers is told by whoever holds the socket.
+      player.tell({ silent: true });
     } finally {
       asking = false;
     }
@@ -108,9 +110,9 @@ async function main() {
     if (status.board !== board) {
       board = status.board;
       samples.clear();
-      plots.follow();
       flights.shown = -1;
-      plots.setLimits(Object.values(status.volts_limit));
+      limits = Object.values(status.volts_limit);
+      draw();
       await settings.build();
     }
     for (const part of [steps, rig, settings, flights, lessons, recorder]) part.show(status);
@@ -126,7 +128,7 @@ async function main() {
   /** What can be looked back at. @param {number} time now, in s */
   function span(time) {
     byId("time").textContent = `${time.toFixed(2)} s`;
-    const [first, last] = samples.span();
+    const [first, last] = plots.history.span();
     const scrub = input("scrub");
     [scrub.min, scrub.max] = [`${first}`, `${last}`];
     if (!plots.range) scrub.value = `${last}`;
@@ -174,7 +176,9 @@ async function main() {
     document.addEventListener("keydown", (event) => {
       const typing = event.target instanceof HTMLInputElement && event.target.type === "number";
       const id = keys.get(event.key);
-      if (id && !typing && !event.ctrlKey && !event.metaKey && !event.altKey) button(id).click();
+      // What is not shown, as beside a record, cannot be meant.
+      const shown = id && button(id).offsetParent !== null;
+      if (shown && !typing && !event.ctrlKey && !event.metaKey && !event.altKey) button(id).click();
     });
     document.addEventListener("visibilitychange", () => {
       clock.before = undefined;
@@ -211,7 +215,8 @@ async function main() {
   setInterval(words, WORDS_EVERY);
   clock.start();
   // For whoever drives the page: a test, a teacher at the browser's console.
-  Object.assign(window, { twinrotor: { machine, samples, clock, pace, plots, serial, player, bytes } });
+  const parts = { machine, live: samples, clock, pace, plots, serial, player, bytes };
+  Object.assign(window, { twinrotor: Object.defineProperty(parts, "samples", { get: () => plots.history }) });
   document.body.dataset.ready = "yes";
 }
 

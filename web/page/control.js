@@ -1,15 +1,11 @@
 // @ts-check
 // Which page controls a board that a program has: one does, others look on until they take over. Whoever does
-// not see the board does not fly it: a page that is hidden, or closed, switches the motors off.
+// not see the board does not fly it: a page that is hidden, or closed, switches the motors off, and one that
+// shows a record looks on.
 
-import { button, byId, input } from "./dom.js";
+import { button, byId } from "./dom.js";
 
 /** @typedef {import("./socket.js").Socket} Socket */
-
-/** What becomes of a recorded flight here: its picture would stand where a board is that flies. */
-const RECORDS =
-  "a record would hide the board: write the page by itself with `host-sim page --out heli.html`, open it " +
-  "beside this one, and open the record there";
 
 export class Control {
   /**
@@ -24,28 +20,19 @@ export class Control {
     document.addEventListener("visibilitychange", () => {
       if (document.visibilityState === "hidden" && socket.controls) stop();
     });
-    const refuse = () => attempt(() => Promise.reject(new Error(RECORDS)));
-    const record = input("record");
-    record.addEventListener("change", () => {
-      record.value = "";
-      refuse();
-    });
-    // Without this the browser would leave the page for the file.
-    document.addEventListener("dragover", (event) => event.preventDefault());
-    document.addEventListener("drop", (event) => {
-      event.preventDefault();
-      refuse();
-    });
     this.show();
   }
 
   show() {
     const { open, controls, controlled } = this.socket;
-    byId("control").hidden = open && controls;
+    const record = document.body.dataset.record !== undefined;
+    // A program that is reached again gives control to whoever comes.
+    if (controls && record) this.socket.lookAway().catch(() => {});
+    byId("control").hidden = open && (controls || record);
     byId("control-told").textContent = open
       ? controlled
         ? "another page controls this board; you look on"
-        : "nobody controls this board: the page that did has gone"
+        : "nobody controls this board: the page that did has gone, or shows a record"
       : "the program cannot be reached, and with it the board: look whether host-sim monitor still runs";
     button("take").hidden = !open;
     document.body.dataset.looks = `${open && !controls}`;

@@ -28,6 +28,9 @@
  * @property {(request: Request) => Promise<any>} ask gives the answer, or throws what is wrong, in words
  * @property {(ticks: number) => void} pass lets simulated time pass, where it is the page's
  * @property {(rows: Float32Array) => void} rows takes rows of samples; set by whoever wants them
+ * @property {(file: File) => Promise<Float32Array>} read gives rows out of a recorded flight
+ * @property {() => Promise<void>} lookAway something else than the board is shown from now on, if that may be
+ * @property {() => Promise<void>} lookBack the board is shown again
  * @property {boolean} here its board is simulated in the page
  */
 
@@ -91,12 +94,18 @@ export class Module {
     return new Uint8Array(this.exports.memory.buffer, this.exports.output(), length);
   }
 
-  /** Rows out of a recorded flight's CSV. @param {Uint8Array} file */
-  read(file) {
-    this.put(file);
+  /** @param {File} file */
+  async read(file) {
+    this.put(new Uint8Array(await file.arrayBuffer()));
     const numbers = this.answered(this.exports.open());
     return new Float32Array(this.exports.memory.buffer, this.exports.record(), numbers).slice();
   }
+
+  async lookAway() {
+    if (this.line) throw new Error("who plays a record does not see the board: leave the board first");
+  }
+
+  async lookBack() {}
 
   /** @param {number} ticks */
   pass(ticks) {

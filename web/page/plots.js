@@ -62,9 +62,9 @@ export class Plots {
     this.build();
   }
 
-  /** @param {number[]} limits of the motors, in V */
-  setLimits(limits) {
-    this.limits = limits;
+  /** From now on these. @param {History} history @param {number[]} limits of the motors, in V */
+  show(history, limits) {
+    [this.history, this.limits, this.range] = [history, limits, undefined];
     this.build();
   }
 

@@ -84,6 +84,23 @@ export class Socket {
     return this.say({ take: true });
   }
 
+  /** It controls no more, unless motors may turn. */
+  lookAway() {
+    return this.say({ look: true });
+  }
+
+  /** It controls again, unless another does. */
+  async lookBack() {
+    if (!this.controlled) await this.takeOver();
+  }
+
+  /** The program reads it, by a line of its own: stopping waits for no file. @param {File} file */
+  async read(file) {
+    const answer = await fetch("record", { method: "POST", body: file });
+    if (!answer.ok) throw new Error((await answer.text()).trim());
+    return new Float32Array(await answer.arrayBuffer());
+  }
+
   /** @param {object} what @returns {Promise<any>} */
   say(what) {
     const { socket } = this;

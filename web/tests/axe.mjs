@@ -8,19 +8,14 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { Chromium, installed } from "./chromium.mjs";
+import { Chromium } from "./chromium.mjs";
 
 const [page, axe] = process.argv.slice(2);
-const program = installed();
-if (!program) {
-  console.log("not run: there is no Chromium here (apt-get install chromium)");
-  process.exit(0);
-}
-const browser = new Chromium(program);
+const browser = await Chromium.start();
 try {
   await browser.open(pathToFileURL(resolve(page)).href);
-  await browser.value(`${readFileSync(axe, "utf8")}; undefined`);
-  await browser.value("for (const part of document.querySelectorAll('details')) part.open = true");
+  await browser.run(readFileSync(axe, "utf8"));
+  await browser.run("for (const part of document.querySelectorAll('details')) part.open = true");
   for (const [width, height, dark] of /** @type {[number, number, boolean][]} */ ([
     [1280, 800, false],
     [1280, 800, true],

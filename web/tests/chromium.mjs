@@ -1,168 +1,128 @@
 // @ts-check
-// A headless Chromium over its DevTools pipe: no driver program and no package beside Node.
+// A headless Chromium by its driver, and what only Chromium has: `goog/cdp/execute` passes a word of its
+// DevTools' protocol on. Debian has both programs: apt-get install chromium chromium-driver
 
-import { spawn } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { existsSync } from "node:fs";
 import { join } from "node:path";
+import { WebDriver } from "./webdriver.mjs";
 
-const PLACES = [
+const BROWSERS = [
   process.env.CHROMIUM ?? "",
   "/usr/bin/chromium",
   "/usr/bin/chromium-browser",
   "/usr/bin/google-chrome",
 ];
+const DRIVERS = [process.env.CHROMEDRIVER ?? "", "/usr/bin/chromedriver"];
 
-/** Where there is one, if there is. @returns {string | undefined} */
-export function installed() {
-  return PLACES.find((place) => place !== "" && existsSync(place));
-}
+const found = (/** @type {string[]} */ places) => places.find((place) => place !== "" && existsSync(place));
 
-export class Chromium {
-  /** @param {string} program */
-  constructor(program) {
-    this.folder = mkdtempSync(join(tmpdir(), "twinrotor-page-"));
-    this.process = spawn(
-      program,
-      [
-        "--headless=new",
-        "--remote-debugging-pipe",
-        "--no-sandbox",
-        "--no-first-run",
-        "--hide-scrollbars",
-        "--enable-unsafe-swiftshader",
-        "--use-angle=swiftshader",
-        // Debian's launcher asks for a card's rasterization; emulated, it takes half a second a frame.
-        "--disable-gpu-compositing",
-        "--disable-gpu-rasterization",
-        `--user-data-dir=${this.folder}`,
-        "about:blank",
-      ],
-      { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] },
-    );
-    const [, , , to, from] = this.process.stdio;
-    this.to = /** @type {import("node:stream").Writable} */ (to);
-    this.waiting = new Map();
-    this.number = 0;
-    /** What went wrong in the page. @type {string[]} */
-    this.troubles = [];
-    /** What was asked of the network. @type {string[]} */
-    this.requests = [];
-    let text = "";
-    /** @type {import("node:stream").Readable} */ (from).on("data", (chunk) => {
-      text += chunk;
-      const messages = text.split("\0");
-      text = messages.pop() ?? "";
-      for (const message of messages) this.take(JSON.parse(message));
-    });
-  }
-
-  /** @param {any} message */
-  take(message) {
-    const { id, method, params } = message;
-    if (method === "Runtime.exceptionThrown") this.troubles.push(JSON.stringify(params.exceptionDetails));
-    if (method === "Log.entryAdded" && params.entry.level === "error") this.troubles.push(params.entry.text);
-    if (method === "Network.requestWillBeSent") this.requests.push(params.request.url);
-    const waiting = this.waiting.get(id);
-    if (!waiting) return;
-    this.waiting.delete(id);
-    if (message.error) waiting.reject(new Error(`${waiting.method}: ${message.error.message}`));
-    else waiting.resolve(message.result);
-  }
-
-  /** @param {string} method @param {object} [params] @returns {Promise<any>} */
-  send(method, params = {}) {
-    this.number += 1;
-    const id = this.number;
-    this.to.write(`${JSON.stringify({ id, method, params, sessionId: this.session })}\0`);
-    return new Promise((resolve, reject) => this.waiting.set(id, { resolve, reject, method }));
-  }
-
-  /** Opens a page. @param {string} url */
-  async open(url) {
-    const { targetInfos } = await this.send("Target.getTargets");
-    const { targetId } = targetInfos.find((/** @type {any} */ target) => target.type === "page");
-    ({ sessionId: this.session } = await this.send("Target.attachToTarget", { targetId, flatten: true }));
-    for (const domain of ["Page", "Runtime", "Log", "Network"]) await this.send(`${domain}.enable`);
-    await this.send("Page.navigate", { url });
-    await this.until("document.body?.dataset.ready === 'yes'", 20_000);
-  }
-
-  /** What an expression comes to in the page. @param {string} expression */
-  async value(expression) {
-    const { result, exceptionDetails } = await this.send("Runtime.evaluate", {
-      expression,
-      awaitPromise: true,
-      returnByValue: true,
-    });
-    if (exceptionDetails) throw new Error(`${expression}: ${exceptionDetails.exception?.description}`);
-    return result.value;
-  }
-
-  /** Waits until an expression is true. @param {string} expression @param {number} most in ms */
-  async until(expression, most) {
-    const end = Date.now() + most;
-    while (Date.now() < end) {
-      if (await this.value(expression)) return;
-      await new Promise((go) => setTimeout(go, 50));
+export class Chromium extends WebDriver {
+  /** One that has begun; where there is none that is said, and that is all. */
+  static async start() {
+    const [program, driver] = [found(BROWSERS), found(DRIVERS)];
+    if (!program || !driver) {
+      console.log("not run: there is no Chromium with its driver (apt-get install chromium chromium-driver)");
+      process.exit(0);
     }
-    const shown = await this.value("document.body.innerText.slice(0, 1500)");
-    throw new Error(`after ${most} ms still not: ${expression}; the page has: ${shown}`);
+    const browser = new Chromium(program, driver);
+    try {
+      await browser.begin();
+    } catch (error) {
+      await browser.close();
+      throw error;
+    }
+    return browser;
   }
 
-  /** Presses a key, and lets it go. @param {string} key @param {number} [held] in ms */
-  async key(key, held = 0) {
-    const text = key === "Enter" ? "\r" : key.length === 1 ? key : undefined;
-    await this.send("Input.dispatchKeyEvent", { type: "keyDown", key, text });
-    await new Promise((go) => setTimeout(go, held));
-    await this.send("Input.dispatchKeyEvent", { type: "keyUp", key });
+  /** @param {string} program @param {string} driver */
+  constructor(program, driver) {
+    super(driver, (downloads) => ({
+      browserName: "chrome",
+      "goog:loggingPrefs": { browser: "ALL", performance: "ALL" },
+      "goog:chromeOptions": {
+        binary: program,
+        prefs: { "download.default_directory": downloads },
+        perfLoggingPrefs: { enableNetwork: true, enablePage: false },
+        args: [
+          "--headless=new",
+          // Where the driver is killed the pipe breaks, and with it the browser ends.
+          "--remote-debugging-pipe",
+          "--no-sandbox",
+          "--no-first-run",
+          "--hide-scrollbars",
+          "--enable-unsafe-swiftshader",
+          "--use-angle=swiftshader",
+          // Debian's launcher asks for a card's rasterization; emulated, it takes half a second a frame.
+          "--disable-gpu-compositing",
+          "--disable-gpu-rasterization",
+        ],
+      },
+    }));
   }
 
-  /** The middle of an element, once it is in view. @param {string} selector */
-  async place(selector) {
-    return this.value(`(() => {
-      const element = document.querySelector(${JSON.stringify(selector)});
-      element.scrollIntoView({ block: "center" });
-      const { x, y, width, height } = element.getBoundingClientRect();
-      return { x: x + width / 2, y: y + height / 2 };
-    })()`);
+  /** The browser's process, which the standard does not tell. @returns {number} */
+  get id() {
+    return this.has["goog:processID"];
   }
 
-  /** Clicks an element with the mouse. @param {string} selector @param {number} [held] in ms */
-  async click(selector, held = 0) {
-    const place = await this.place(selector);
-    const mouse = (/** @type {string} */ type) =>
-      this.send("Input.dispatchMouseEvent", { type, ...place, button: "left", clickCount: 1 });
-    await mouse("mouseMoved");
-    await mouse("mousePressed");
-    await new Promise((go) => setTimeout(go, held));
-    await mouse("mouseReleased");
+  /** @param {string} cmd @param {object} [params] @returns {Promise<any>} */
+  cdp(cmd, params = {}) {
+    return this.ask("/goog/cdp/execute", { cmd, params });
   }
 
-  /** @param {number} width @param {number} height @param {boolean} dark */
+  /**
+   * A desk's window, or a phone. The standard has no phones, and a window of Chromium is no narrower than
+   * 500; nor has it what a person prefers, light or dark.
+   * @param {number} width @param {number} height @param {boolean} dark
+   */
   async size(width, height, dark) {
-    await this.send("Emulation.setDeviceMetricsOverride", {
-      width,
-      height,
-      deviceScaleFactor: 1,
-      mobile: width < 600,
-    });
-    await this.send("Emulation.setEmulatedMedia", {
-      features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }],
-    });
+    if (width < 600) {
+      const phone = { width, height, deviceScaleFactor: 1, mobile: true };
+      await this.cdp("Emulation.setDeviceMetricsOverride", phone);
+    } else {
+      await this.cdp("Emulation.clearDeviceMetricsOverride");
+      await this.window(width, height);
+    }
+    const preferred = { name: "prefers-color-scheme", value: dark ? "dark" : "light" };
+    await this.cdp("Emulation.setEmulatedMedia", { features: [preferred] });
     await new Promise((go) => setTimeout(go, 600));
   }
 
-  /** @returns {Promise<Buffer>} */
-  async screenshot() {
-    const { data } = await this.send("Page.captureScreenshot", { format: "png" });
-    return Buffer.from(data, "base64");
+  /** What the browser has noted of a kind since it was asked last; the standard has no logs. */
+  async noted(/** @type {string} */ type) {
+    /** @type {{ level: string, message: string }[]} */
+    const notes = [];
+    // It gives so many at a time.
+    for (;;) {
+      const part = await this.ask("/se/log", { type });
+      if (part.length === 0) return notes;
+      notes.push(...part);
+    }
   }
 
-  async close() {
-    const ended = new Promise((go) => this.process.once("exit", go));
-    this.process.kill();
-    await ended;
-    rmSync(this.folder, { recursive: true, force: true, maxRetries: 5 });
+  /** What went wrong in the page. @returns {Promise<string[]>} */
+  async troubles() {
+    const notes = await this.noted("browser");
+    return notes.filter(({ level }) => level === "SEVERE").map(({ message }) => message);
+  }
+
+  /** What was asked of the network. @returns {Promise<string[]>} */
+  async requests() {
+    const notes = await this.noted("performance");
+    const told = notes.map(({ message }) => JSON.parse(message).message);
+    return told.flatMap(({ method, params }) => {
+      if (method === "Network.requestWillBeSent") return [params.request.url];
+      return method === "Network.webSocketCreated" ? [params.url] : [];
+    });
+  }
+
+  /** Where a file is, once it has been downloaded. @param {string} name @returns {Promise<string>} */
+  async downloaded(name) {
+    const place = join(this.folder, name);
+    for (const end = Date.now() + 10_000; !existsSync(place); ) {
+      if (Date.now() > end) throw new Error(`${name} was not downloaded`);
+      await new Promise((go) => setTimeout(go, 50));
+    }
+    return place;
   }
 }

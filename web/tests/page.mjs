@@ -1,6 +1,6 @@
 // @ts-check
-// The page, driven in a headless Chromium as a person would: by mouse and keys. Its bits, its search and its
-// fingerprints are compared with what the same code gives on this machine.
+// The page, driven in a headless Chromium as a person would, by mouse and keys, over WebDriver. Its bits, its
+// search and its fingerprints are compared with what the same code gives on this machine.
 //
 //     node web/tests/page.mjs heli.html FINGERPRINTS GAINS.toml [SCREENSHOTS]
 
@@ -8,17 +8,11 @@ import assert from "node:assert/strict";
 import { readFileSync, mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { Chromium, installed } from "./chromium.mjs";
+import { Chromium } from "./chromium.mjs";
 import { delayOfStop } from "./stop.mjs";
 
 const [page, fingerprints, gains, screenshots] = process.argv.slice(2);
-const program = installed();
-if (!program) {
-  console.log("not run: there is no Chromium here (apt-get install chromium)");
-  process.exit(0);
-}
-
-const browser = new Chromium(program);
+const browser = await Chromium.start();
 /** @type {string[]} */
 const passed = [];
 const begun = Date.now();
@@ -45,11 +39,9 @@ const ask = (/** @type {unknown} */ request) =>
   browser.value(`window.twinrotor.machine.ask(${JSON.stringify(request)})`);
 const last = (/** @type {string} */ column) => browser.value(`window.twinrotor.samples.row().${column}`);
 const choose = (/** @type {string} */ id, /** @type {string} */ value) =>
-  browser.value(`(() => {
-  const list = document.querySelector("#${id}");
-  list.value = "${value}";
-  list.dispatchEvent(new Event("change"));
-})()`);
+  browser.run(`const list = document.querySelector("#${id}");
+    list.value = "${value}";
+    list.dispatchEvent(new Event("change"));`);
 const shot = async (
   /** @type {string} */ name,
   /** @type {number} */ width,
@@ -74,6 +66,7 @@ async function journey() {
     assert.match(why, /the encoders have no zero yet; the first-power check has not been passed/);
   });
   await step("checks the wiring and zeroes", async () => {
+    await choose("speed", "20");
     await browser.click("#check");
     await state("checking");
     await sooner("document.querySelector('#state').textContent === 'disarmed'", 60_000);
@@ -83,10 +76,10 @@ async function journey() {
   });
   await step("arms only after a second's hold", async () => {
     await choose("speed", "1");
-    await browser.click("#arm", 200);
+    await browser.hold("#arm", 200);
     await new Promise((go) => setTimeout(go, 1_500));
     assert.equal(await browser.value("document.querySelector('#state').textContent"), "ready");
-    await browser.click("#arm", 1_500);
+    await browser.hold("#arm", 1_500);
     await state("armed");
   });
   await step("stops within 100 ms of the key, by Space and by Esc", async () => {
@@ -94,6 +87,7 @@ async function journey() {
       await ask({ aim: { pitch_deg: 15, yaw_deg: 0 } });
       await sooner("Math.abs(window.twinrotor.samples.row().main_volts) > 1", 20_000);
       const delay = await delayOfStop(browser, key);
+      console.log(`    ${JSON.stringify(key)}: ${delay.toFixed(0)} ms`);
       assert.ok(delay < 100, `${JSON.stringify(key)}: ${delay} ms`);
       await sooner("document.querySelector('#state').textContent !== 'armed'", 10_000);
       await enabled("arm", 20_000);
@@ -178,6 +172,12 @@ async function journey() {
     await browser.click("#clear");
     await sooner("document.querySelector('#state').textContent !== 'fault'", 20_000);
   });
+  await step("gives the draft as the gains file that the module writes", async () => {
+    await browser.click("#export");
+    const text = readFileSync(await browser.downloaded("gains.toml"), "utf8");
+    assert.equal(text, await ask("export"));
+    assert.match(text, /^\[lead\]\n(.*\n)*?factor = 1\.0$/m);
+  });
   await step("keeps its state in the address", async () => {
     await choose("scenario", "2");
     await browser.until("location.hash.includes('scenario=2')", 10_000);
@@ -215,8 +215,8 @@ async function journey() {
     }
   });
   assert.ok((await last("time")) > 0);
-  assert.deepEqual(browser.troubles, []);
-  const outside = browser.requests.filter((url) => !/^(file|blob|data):/.test(url));
+  assert.deepEqual(await browser.troubles(), []);
+  const outside = (await browser.requests()).filter((url) => !/^(file|blob|data):/.test(url));
   assert.deepEqual(outside, []);
 }
 

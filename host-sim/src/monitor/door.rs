@@ -14,8 +14,8 @@ pub struct Knock<'a> {
     pub host: Option<&'a str>,
     /// The header `Origin`: of which page it is.
     pub origin: Option<&'a str>,
-    /// It is to become a conversation, which a browser allows any page to begin.
-    pub converses: bool,
+    /// It is to become a conversation, or brings something: what a browser lets any page begin.
+    pub begins: bool,
 }
 
 /// The door of a program that listens.
@@ -59,7 +59,7 @@ impl Door {
             Some(origin) if origin.strip_prefix("http://") != Some(host) => {
                 return Err("another page asks, not this one");
             }
-            None if knock.converses => return Err("no page asks"),
+            None if knock.begins => return Err("no page asks"),
             _ => {}
         }
         let wrong =
@@ -109,12 +109,12 @@ mod tests {
             path: "/0123/socket",
             host: Some("127.0.0.1:8000"),
             origin: Some("http://127.0.0.1:8000"),
-            converses: true,
+            begins: true,
         };
         assert_eq!(near.opens(&ours), Ok("socket"));
         let local = Knock { host: Some("localhost:8000"), origin: Some("http://localhost:8000"), ..ours };
         assert_eq!(near.opens(&local), Ok("socket"));
-        assert_eq!(near.opens(&Knock { path: "/0123/", origin: None, converses: false, ..ours }), Ok(""));
+        assert_eq!(near.opens(&Knock { path: "/0123/", origin: None, begins: false, ..ours }), Ok(""));
         for (wrong, why) in [
             (Knock { host: None, ..ours }, "Host"),
             (

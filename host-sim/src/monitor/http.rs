@@ -78,7 +78,7 @@ fn unreadable() -> io::Error {
 ///
 /// If the line is gone.
 pub(super) fn give(stream: &mut TcpStream, file: &File) -> io::Result<()> {
-    answer(stream, "200 OK", file.kind, &file.text)
+    answer(stream, "200 OK", file.kind, file.text.as_bytes())
 }
 
 /// Says no, in words.
@@ -87,19 +87,24 @@ pub(super) fn give(stream: &mut TcpStream, file: &File) -> io::Result<()> {
 ///
 /// If the line is gone.
 pub(super) fn refuse(stream: &mut TcpStream, status: &str, why: &str) -> io::Result<()> {
-    answer(stream, status, "text/plain; charset=utf-8", &format!("{why}\n"))
+    answer(stream, status, "text/plain; charset=utf-8", format!("{why}\n").as_bytes())
 }
 
-fn answer(stream: &mut TcpStream, status: &str, kind: &str, text: &str) -> io::Result<()> {
+/// Gives bytes of a media type.
+///
+/// # Errors
+///
+/// If the line is gone.
+pub(super) fn answer(stream: &mut TcpStream, status: &str, kind: &str, bytes: &[u8]) -> io::Result<()> {
     let head = format!(
         "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\
          Content-Security-Policy: {POLICY}\r\n\
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCache-Control: no-store\r\n\
          Cross-Origin-Opener-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Connection: close\r\n\r\n",
-        text.len()
+        bytes.len()
     );
     stream.write_all(head.as_bytes())?;
-    stream.write_all(text.as_bytes())?;
+    stream.write_all(bytes)?;
     stream.flush()
 }

@@ -4,6 +4,7 @@
 
 mod door;
 mod http;
+mod record;
 mod room;
 mod visitor;
 

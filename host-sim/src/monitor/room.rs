@@ -1,6 +1,7 @@
 //! Where the board is: its line, its operator's desk, and the pages that look at it. One of them controls. If
 //! it is closed or says nothing for more than a second while motors may turn, they are switched off.
 
+use super::visitor::numbered;
 use crate::line::{self, Line};
 use crate::stop;
 use serde_json::{Value, json};
@@ -36,6 +37,8 @@ pub(super) enum Ask {
     Say(u64, Value, Request),
     /// To control.
     Take(u64, Value),
+    /// To look on from now on: its page shows something else than the board.
+    Look(u64, Value),
     /// It has gone.
     Leave(u64),
 }
@@ -68,15 +71,11 @@ pub(super) struct Room {
     packet: Instant,
     reopen: Instant,
     begun: Instant,
+    /// Somebody has controlled, and nobody does.
+    left: bool,
     /// Something was said that may turn a motor.
     turns: bool,
     over: bool,
-}
-
-/// An answer with its question's number.
-pub(super) fn numbered(number: &Value, mut answer: Value) -> String {
-    answer["number"] = number.clone();
-    answer.to_string()
 }
 
 impl Room {
@@ -89,6 +88,7 @@ impl Room {
             visitors: BTreeMap::new(),
             control: None,
             heard: None,
+            left: false,
             rows: Vec::new(),
             packet: now,
             reopen: now,
@@ -148,6 +148,10 @@ impl Room {
                 self.heard = Some(Instant::now());
                 self.tell(id, Told::Text(numbered(&number, json!({ "ok": null }))));
             }
+            Ask::Look(id, number) => {
+                let answer = self.look(id).map(|()| Value::Null);
+                self.tell(id, Told::Text(numbered(&number, request::worded(answer))));
+            }
             Ask::Say(id, number, request) => {
                 self.hear(id);
                 let answer = self.answer(id, request);
@@ -180,8 +184,22 @@ impl Room {
         request::at_desk(&mut self.desk, request)
     }
 
+    /// A page that shows something else controls no more; not while motors may turn, which nobody would see.
+    fn look(&mut self, id: u64) -> twinrotor_sim::Outcome<()> {
+        if self.control != Some(id) {
+            return Ok(());
+        }
+        if self.desk.motors_may_turn() {
+            let why = "the motors may turn, and a record would hide the board: stop it first";
+            return Err(Error::Unusable(why.to_owned()));
+        }
+        self.give_control(None);
+        Ok(())
+    }
+
     fn give_control(&mut self, id: Option<u64>) {
         self.control = id;
+        self.left = id.is_none();
         self.heard = None;
         self.tell_control();
     }
@@ -207,6 +225,10 @@ impl Room {
 
     /// Is the page that controls still there?
     fn watch_over(&mut self) {
+        // What it said last may have been to arm.
+        if self.left {
+            self.desk.cut("nobody controls the board any more: motors off");
+        }
         if self.heard.is_some_and(|heard| heard.elapsed() > HEARTBEAT) {
             self.desk.cut("the page that controls was not heard for more than a second: motors off");
         }

@@ -1,11 +1,13 @@
 //! A visitor: gets a file, or talks with the room as long as its page is open.
 //!
 //! A page says `{"number": n, "request": ...}`, what a page from a file asks its own module, and is answered
-//! `{"number": n, "ok": ...}` or with an `error`; `{"number": n, "take": true}` takes over. Samples come as
-//! rows of `f32`, unasked, and `{"controls": ...}` when that changes.
+//! `{"number": n, "ok": ...}` or with an `error`; `{"number": n, "take": true}` takes over and
+//! `{"number": n, "look": true}` gives control up, which is refused where motors may turn. Samples come as
+//! rows of `f32`, unasked, and `{"controls": ...}` when that changes. A recorded flight is sent beside it.
 
 use super::door::{Door, Knock};
 use super::http::{self, Asked};
+use super::record;
 use super::room::{Ask, Told};
 use crate::page::served::File;
 use serde_json::{Value, json};
@@ -41,11 +43,12 @@ pub(super) fn receive(
     stream.set_write_timeout(Some(Duration::from_secs(5)))?;
     let asked = Asked::read(&mut stream)?;
     let converses = asked.line("upgrade").is_some();
+    let brings = asked.request.method() == "POST";
     let knock = Knock {
         path: asked.request.uri().path(),
         host: asked.line("host"),
         origin: asked.line("origin"),
-        converses,
+        begins: converses || brings,
     };
     let name = match door.opens(&knock) {
         Ok(name) => name,
@@ -54,6 +57,9 @@ pub(super) fn receive(
     if converses && name == "socket" {
         asked.agree(&mut stream)?;
         return converse(stream, room, id);
+    }
+    if brings && name == record::NAME {
+        return record::read(&mut stream, &asked);
     }
     match files.iter().find(|file| file.name == name) {
         Some(_) if asked.request.method() != "GET" => {
@@ -72,7 +78,7 @@ fn converse(stream: TcpStream, room: &Sender<Ask>, id: u64) -> io::Result<()> {
     let (to, from_room) = sync_channel(WAITING);
     if room.send(Ask::Come(id, to.clone())).is_ok() {
         let answer = move |number: &Value, answer: Value| {
-            let _ = to.try_send(Told::Text(super::room::numbered(number, answer)));
+            let _ = to.try_send(Told::Text(numbered(number, answer)));
         };
         talk_on(&mut talk, room, &from_room, id, &answer);
     }
@@ -141,6 +147,9 @@ fn said(
     if said["take"] == Value::Bool(true) {
         return room.send(Ask::Take(id, number)).is_ok();
     }
+    if said["look"] == Value::Bool(true) {
+        return room.send(Ask::Look(id, number)).is_ok();
+    }
     match serde_json::from_value::<Request>(said["request"].take()) {
         Err(error) => answer(&number, json!({ "error": error.to_string() })),
         Ok(request) => match request::beside(tuner, &request) {
@@ -149,6 +158,12 @@ fn said(
         },
     }
     room.send(Ask::Alive(id)).is_ok()
+}
+
+/// An answer with its question's number.
+pub(super) fn numbered(number: &Value, mut answer: Value) -> String {
+    answer["number"] = number.clone();
+    answer.to_string()
 }
 
 fn waits(error: &Error) -> bool {

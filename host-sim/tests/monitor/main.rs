@@ -2,6 +2,7 @@
 //! it.
 
 mod program;
+mod records;
 #[path = "../fly/served.rs"]
 #[allow(dead_code, reason = "what may go wrong with a board is shared with the tests of fly")]
 mod served;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
@@ -64,15 +64,31 @@ impl Drop for Program {
 
 /// The answer to a request.
 pub(crate) fn get(host: &str, path: &str, named: &str, lines: &[(&str, &str)]) -> String {
+    String::from_utf8(send("GET", host, path, named, lines, b"")).unwrap()
+}
+
+/// The answer to a request that brings something.
+pub(crate) fn send(
+    method: &str,
+    host: &str,
+    path: &str,
+    named: &str,
+    lines: &[(&str, &str)],
+    what: &[u8],
+) -> Vec<u8> {
     let mut stream = TcpStream::connect(host).unwrap();
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
-    let mut head = format!("GET {path} HTTP/1.1\r\nHost: {named}\r\n");
+    let mut head = format!("{method} {path} HTTP/1.1\r\nHost: {named}\r\n");
     for (name, value) in lines {
         head.push_str(&format!("{name}: {value}\r\n"));
     }
     stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).unwrap();
+    stream.write_all(what).unwrap();
+    // Whoever was refused by the head alone has hung up.
+    let _ = stream.shutdown(Shutdown::Write);
+    let mut answer = Vec::new();
+    // A line on which something was left unread breaks when its answer has come.
+    let _ = stream.read_to_end(&mut answer);
     answer
 }
 
@@ -111,10 +127,24 @@ impl Operator {
         self.say(json!({ "take": true })).unwrap();
     }
 
-    fn say(&mut self, mut what: Value) -> Result<Value, String> {
+    /// To look on from now on.
+    pub(crate) fn look(&mut self) -> Result<Value, String> {
+        self.say(json!({ "look": true }))
+    }
+
+    /// Asks, and waits for no answer.
+    pub(crate) fn shout(&mut self, request: &Value) {
+        self.send(json!({ "request": request }));
+    }
+
+    fn send(&mut self, mut what: Value) {
         self.number += 1;
         what["number"] = json!(self.number);
         self.socket.send(Message::text(what.to_string())).unwrap();
+    }
+
+    fn say(&mut self, what: Value) -> Result<Value, String> {
+        self.send(what);
         loop {
             match self.socket.read().unwrap() {
                 Message::Binary(bytes) => self.rows.extend(
