@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, driven over
-# WebDriver, against what the same code gives on this machine; then as `host-sim monitor` serves it. What needs
-# a program that is not here says that it was not run. With a folder as argument, pictures of the page are put
-# there.
+# WebDriver, against what the same code gives on this machine; then as `host-sim monitor` serves it. What
+# needs a program that is not here says that it was not run. With a folder as argument, pictures of the page
+# are put there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=target/page
@@ -37,7 +37,9 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 axe=$folder/axe/node_modules/axe-core/axe.min.js
-[ -f $axe ] || ! command -v npm >/dev/null || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+if [ ! -f $axe ] && command -v npm >/dev/null; then
+  npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+fi
 
 # In a browser.
 begun=$SECONDS
