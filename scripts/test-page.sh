@@ -44,13 +44,22 @@ fi
 # In a browser.
 begun=$SECONDS
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
-node web/tests/serial.mjs $folder/heli.html
-node web/tests/record.mjs $folder/heli.html $folder/flown.csv $folder/flown.mcap $folder/simulated.csv
+# These measure no time of the clock: beside each other.
+tests=("serial.mjs $folder/heli.html"
+  "record.mjs $folder/heli.html $folder/flown.csv $folder/flown.mcap $folder/simulated.csv")
 if [ -f $axe ]; then
-  node web/tests/axe.mjs $folder/heli.html $axe
+  tests+=("axe.mjs $folder/heli.html $axe")
 else
   echo "accessibility not checked: there is no npm here (apt-get install npm)"
 fi
+running=()
+for test in "${tests[@]}"; do
+  node web/tests/$test &
+  running+=($!)
+done
+failed=0
+for one in "${running[@]}"; do wait "$one" || failed=1; done
+[ $failed = 0 ]
 node web/tests/beside.mjs $host_sim $folder/flown.csv $folder/flown.mcap "${1:-}"
 node web/tests/monitor.mjs $host_sim 60 "${1:-}"
 echo "in a browser: $((SECONDS - begun)) s of the 180 that it may take"
