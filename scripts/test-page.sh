@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The page, tested: its types, its module in Node, and the whole of it in a headless Chromium, driven over
-# WebDriver, against what the same code gives on this machine; then as `host-sim monitor` serves it. What needs
-# a program that is not here says that it was not run. With a folder as argument, pictures of the page are put
-# there.
+# WebDriver, against what the same code gives on this machine; then as `host-sim monitor` serves it. What
+# needs a program that is not here says that it was not run. With a folder as argument, pictures of the page
+# are put there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=target/page
@@ -37,18 +37,29 @@ else
 fi
 node web/tests/bits.mjs $folder/twinrotor.wasm.gz $folder/fingerprints.txt
 axe=$folder/axe/node_modules/axe-core/axe.min.js
-[ -f $axe ] || ! command -v npm >/dev/null || npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+if [ ! -f $axe ] && command -v npm >/dev/null; then
+  npm install --silent --no-save --prefix $folder/axe axe-core@4.10.3
+fi
 
 # In a browser.
 begun=$SECONDS
 node web/tests/page.mjs $folder/heli.html $folder/fingerprints.txt $folder/gains.toml "${1:-}"
-node web/tests/serial.mjs $folder/heli.html
-node web/tests/record.mjs $folder/heli.html $folder/flown.csv $folder/flown.mcap $folder/simulated.csv
+# These measure no time of the clock: beside each other.
+tests=("serial.mjs $folder/heli.html"
+  "record.mjs $folder/heli.html $folder/flown.csv $folder/flown.mcap $folder/simulated.csv")
 if [ -f $axe ]; then
-  node web/tests/axe.mjs $folder/heli.html $axe
+  tests+=("axe.mjs $folder/heli.html $axe")
 else
   echo "accessibility not checked: there is no npm here (apt-get install npm)"
 fi
+running=()
+for test in "${tests[@]}"; do
+  node web/tests/$test &
+  running+=($!)
+done
+failed=0
+for one in "${running[@]}"; do wait "$one" || failed=1; done
+[ $failed = 0 ]
 node web/tests/beside.mjs $host_sim $folder/flown.csv $folder/flown.mcap "${1:-}"
 node web/tests/monitor.mjs $host_sim 60 "${1:-}"
 echo "in a browser: $((SECONDS - begun)) s of the 180 that it may take"
