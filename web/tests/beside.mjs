@@ -112,7 +112,8 @@ async function journey() {
       (/** @type {number} */ time, /** @type {number} */ k) => time - times[k - 1] > 0.0075,
     );
     assert.deepEqual(long, []);
-    assert.ok(times[0] < opened && times.at(-1) > opened + 1, `${times[0]} to ${times.at(-1)} s, ${opened} s`);
+    const [first, last] = [times[0], times.at(-1)];
+    assert.ok(first < opened && last > opened + 1, `${first} to ${last} s, ${opened} s`);
     await browser.until(
       "window.twinrotor.machine.controls && !document.querySelector('#arm').disabled",
       20_000,
