@@ -243,6 +243,7 @@ impl ControlLoop {
         let observed = Observation {
             seen: Seen {
                 tick: self.tick,
+                armed: self.is_armed(),
                 moved,
                 angle,
                 rate,
@@ -254,7 +255,6 @@ impl ControlLoop {
             supply_before: self.supply,
             current_limit: inputs.current_limit,
             zeroed: self.zeroed,
-            armed: self.is_armed(),
             motors_may_turn: self.state().motors_may_turn(),
             heard: inputs.heard,
         };
@@ -304,11 +304,11 @@ impl ControlLoop {
         self.trial = None;
         match self.supervisor.state() {
             ArmState::Armed => {
-                self.monitor.restart();
+                self.monitor.restart(measured.pitch);
                 self.approach.begin(measured);
             }
             ArmState::Checking => {
-                self.monitor.restart();
+                self.monitor.restart(measured.pitch);
                 self.check.restart();
             }
             _ if before == ArmState::Armed => self.approach.level(),

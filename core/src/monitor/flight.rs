@@ -17,6 +17,8 @@ pub const JUMP_COUNTS: f32 = 3.0;
 pub struct Seen<R: Real> {
     /// Which tick it is, counted from the board's boot.
     pub tick: u32,
+    /// The law turns the motors. Only then is motion compared.
+    pub armed: bool,
     /// \[counts\] Motion of each encoder since the last tick.
     pub moved: PerAxis<R::Count>,
     /// \[rad\] Estimated angles.
@@ -77,9 +79,9 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         }
     }
 
-    /// Arming and the check start afresh: no motion is expected yet.
-    pub fn restart(&mut self) {
-        self.motion.restart();
+    /// Arming and the check start afresh, at this pitch \[rad\]: no motion is expected yet.
+    pub fn restart(&mut self, pitch: R) {
+        self.motion.restart(pitch);
         self.contradicted = PerAxis::both(R::Mask::splat(false));
     }
 
@@ -97,14 +99,15 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         let steep = self.pitch.lt(angle.pitch.abs());
         // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
         let sum = (angle.pitch + angle.yaw) + (rate.pitch + rate.yaw) + (demand.main + demand.tail);
-        if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 {
+        // In flight alone: the tick that arms is the longest.
+        if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 && seen.armed {
             self.contradicted = self.motion.disagrees(seen);
         }
         Wrong { jumped, steep, fast, finite: sum.is_finite() }
     }
 
     /// The encoders do not show what the volts must have moved, whether it is the law that gave them or not:
-    /// at the last comparison.
+    /// at the last comparison, which was in flight.
     #[inline(always)]
     pub fn contradicted(&self) -> PerAxis<R::Mask> {
         self.contradicted

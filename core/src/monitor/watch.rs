@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! contradicts: |expected| > least  and  observed sign(expected) < MOTION_SHARE |expected|
-//!              and |expected - observed| > what a disturbance explains,
+//!              and |expected - observed| > what something explains with nothing wrong (in pitch, `fall.rs`),
 //!              MOTION_TICKS in a row                          a swapped sign, a stuck encoder
 //! stuck:       still, and due > most, where                   a stuck encoder as the reference moves on
 //!              change = min(|push - push when it became still|, |expected|)
@@ -14,27 +14,19 @@ use super::motion::{MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
 use super::persistence::Persistence;
 use crate::real::{Count, Mask, Real};
 
-/// \[rad/s\] By how much a disturbance may part what is observed from what is expected.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Parted<R> {
-    /// While hardly anything moves.
-    pub(super) at_rest: R,
-    /// While the axis moves against what is expected.
-    pub(super) against: R,
-}
-
 /// The two rules of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Watch<R: Real> {
     /// \[rad/s\] From where on an expected rate counts.
     least: R,
-    parted: Parted<R>,
+    /// \[rad/s\] By how much a disturbance by volts may part what is observed from what is expected.
+    disturbed: R,
     disagreement: Persistence<R>,
     pub(super) stillness: Stillness<R>,
 }
 
 impl<R: Real<Scalar = f32>> Watch<R> {
-    pub(super) fn new(least: R, parted: Parted<R>, least_change: R, most: R) -> Self {
+    pub(super) fn new(least: R, disturbed: R, least_change: R, most: R) -> Self {
         let stillness = Stillness {
             away: R::Count::whole(0),
             still: Persistence::default(),
@@ -43,7 +35,7 @@ impl<R: Real<Scalar = f32>> Watch<R> {
             due: R::zero(),
             most,
         };
-        Self { least, parted, disagreement: Persistence::default(), stillness }
+        Self { least, disturbed, disagreement: Persistence::default(), stillness }
     }
 
     pub(super) fn restart(self) -> Self {
@@ -56,21 +48,25 @@ impl<R: Real<Scalar = f32>> Watch<R> {
         Self { disagreement: Persistence::default(), stillness, ..self }
     }
 
-    /// Less than its share of the expected motion, in its direction, and no disturbance explains that.
+    /// Less than its share of the expected motion, in its direction, and parted from it by more than
+    /// `explained` says \[rad/s\], of what a disturbance by volts explains and of whether the push is downward.
     #[inline(always)]
-    pub(super) fn contradicts(&mut self, expected: R, observed: R) -> R::Mask {
+    pub(super) fn contradicts(
+        &mut self,
+        expected: R,
+        observed: R,
+        explained: impl FnOnce(R, R::Mask) -> R,
+    ) -> R::Mask {
         let size = expected.abs();
         let contradicts = self.least.lt(size).and(
             #[inline(always)]
             || {
-                let along = R::select(expected.lt(R::zero()), -observed, observed);
+                let down = expected.lt(R::zero());
+                let along = R::select(down, -observed, observed);
                 let share = R::splat(MOTION_SHARE) * size;
                 along.lt(share).and(
                     #[inline(always)]
-                    || {
-                        let Parted { at_rest, against } = self.parted;
-                        R::select(along.lt(-share), against, at_rest).lt(size - along)
-                    },
+                    || explained(self.disturbed, down).lt(size - along),
                 )
             },
         );
