@@ -5,7 +5,7 @@
 //! | condition | rule | time |
 //! |---|---|---|
 //! | `PitchJump`, `YawJump` | an encoder moved in one tick further than [`JUMP_MARGIN`] times the largest rate allows, plus [`JUMP_COUNTS`] counts | the tick it happens |
-//! | `PitchMotion`, `YawMotion` | armed, and the voltages of the last [`MOTION_WINDOW`] s should have given over [`MOTION_PUSH`] of what full voltage gives, the encoder shows less than [`MOTION_SHARE`] of that or the opposite, and no disturbance of [`DISTURBANCE_VOLTS`] at each motor, nor a weight that can be held, nor rotors [`LATE`] times as slow as believed while the nose falls, explains it | [`MOTION_TICKS`] in a row |
+//! | `PitchMotion`, `YawMotion` | armed, and the voltages of the last [`MOTION_WINDOW`] s should have given over [`MOTION_PUSH`] of what full voltage gives, the encoder shows less than [`MOTION_SHARE`] of that or the opposite, and no disturbance of [`DISTURBANCE_VOLTS`] at each motor, nor a weight that can be held, nor rotors [`LATE`] times as slow as believed, explains it | [`MOTION_TICKS`] in a row; [`AGAINST_TICKS`] while the axis moves against its motors |
 //! | the same | armed, the encoder has not left its neighbouring counts for [`STILL_TICKS`], and what the voltages give has changed since by over [`STUCK_PUSH`] of what full voltage gives while the axis was wanted [`STUCK_COUNTS`] elsewhere | when that should have moved it by [`STUCK_COUNTS`] |
 //! | `AngleEnvelope` | zeroed, and pitch beyond `limits.pitch` | the tick it happens |
 //! | `RateEnvelope` | an estimated rate beyond `limits.rate` | the tick it happens |
@@ -15,7 +15,7 @@
 //! | `CurrentLimit` | the amplifier's signal is on | [`CURRENT_TICKS`] in a row |
 //! | `CommandTimeout` | armed or checking, and no message for `limits.command_timeout`; armed, with `limits.lost_link` other than `off`, when holding or landing has ended | that many ticks |
 
-mod fall;
+mod against;
 mod flight;
 mod motion;
 mod persistence;
@@ -23,8 +23,8 @@ mod watch;
 
 pub use flight::{FlightRules, JUMP_COUNTS, JUMP_MARGIN, Seen, Wrong};
 pub use motion::{
-    DISTURBANCE_VOLTS, DRIFT, LATE, LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE, MOTION_TICKS,
-    MOTION_WINDOW, STILL_TICKS, STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
+    AGAINST_TICKS, DISTURBANCE_VOLTS, DRIFT, LATE, LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE,
+    MOTION_TICKS, MOTION_WINDOW, STILL_TICKS, STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
 };
 
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};

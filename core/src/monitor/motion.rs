@@ -38,9 +38,9 @@
 //! impulse response of both filters, 1/(s W + 1) and s L/(s L + 1): ∫|g| dt is twice the peak of their step
 //! response, 1.47. d comes from [`DISTURBANCE_VOLTS`] at each motor, on thrust that may be quadratic, and
 //! from friction. A weight pulls the nose harder than that, once, and so do rotors that are slower than
-//! believed; both are seen to (`fall.rs`).
+//! believed; both are seen to (`against.rs`).
 
-use super::fall::Fall;
+use super::against::{Late, Level};
 use super::flight::Seen;
 use super::watch::Watch;
 use crate::axes::{PerAxis, PerMotor};
@@ -67,7 +67,7 @@ const DISTURBANCE_PEAK: f32 = 1.584;
 /// \[-\] The same for a weight that comes or goes once, for the part of the thrust that can hold it. By the
 /// filters alone .733, which is .587 for a weight of 80 % of the most; some more for the estimated rate.
 const WEIGHT_PEAK: f32 = 0.62;
-/// How many times as slow as believed rotors may be while the nose falls.
+/// How many times as slow as believed rotors may be, while an axis moves against them.
 pub const LATE: f32 = 3.0;
 /// \[rad\] How far from where it lately was the nose has been moved, when it has.
 pub const DRIFT: f32 = 0.01;
@@ -84,6 +84,8 @@ pub const STILL_TICKS: u32 = 240;
 pub const MOTION_EVERY: u32 = 4;
 /// \[ticks\] How long the two must disagree.
 pub const MOTION_TICKS: u32 = 40;
+/// \[ticks\] While the axis moves against its motors: as one swings until slow rotors have caught it.
+pub const AGAINST_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
 pub const STOP_MARGIN: f32 = 0.05;
 
@@ -106,7 +108,8 @@ pub(super) struct Motion<R: Real> {
     push: PerAxis<R>,
     push_load: Load<R>,
     shown_load: Load<R>,
-    fall: Fall<R>,
+    late: Late<R>,
+    level: Level<R>,
     watch: PerAxis<Watch<R>>,
 }
 
@@ -149,7 +152,8 @@ impl<R: Real<Scalar = f32>> Motion<R> {
             push: PerAxis::zero(),
             push_load: Load::zero(),
             shown_load: Load::zero(),
-            fall: Fall::new(slow_decay, step / inertia.pitch, weight),
+            late: Late::new(slow_decay, step, inertia),
+            level: Level::new(weight),
             watch: PerAxis {
                 pitch: Watch::new(moving.pitch, disturbed.pitch, changed.pitch, most.pitch),
                 yaw: Watch::new(moving.yaw, disturbed.yaw, changed.yaw, most.yaw),
@@ -163,7 +167,8 @@ impl<R: Real<Scalar = f32>> Motion<R> {
         self.push = PerAxis::zero();
         self.push_load = Load::zero();
         self.shown_load = Load::zero();
-        self.fall.restart(pitch);
+        self.late.restart();
+        self.level.restart(pitch);
         self.watch = self.watch.map(Watch::restart);
     }
 
@@ -181,8 +186,8 @@ impl<R: Real<Scalar = f32>> Motion<R> {
         let Seen { angle, rate, applied, .. } = *seen;
         self.volts = follow(self.volts, applied, self.rotor_decay);
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
-        self.fall.push(torque.pitch, self.keep);
-        self.fall.be_at(angle.pitch, self.keep_load);
+        let late = self.late.step(torque, self.keep);
+        let drift = self.level.step(angle.pitch, self.keep_load);
         let mut accel = self.body.accel(torque, angle.pitch, rate);
         let lies = angle.pitch.lt(self.stop);
         if lies.any() {
@@ -200,18 +205,22 @@ impl<R: Real<Scalar = f32>> Motion<R> {
             pitch: pitch.stillness.is_stuck(push.pitch, expected.pitch, wanted.pitch, lies, self.step),
             yaw: yaw.stillness.is_stuck(push.yaw, expected.yaw, wanted.yaw, nowhere, self.step),
         };
-        let fall = &self.fall;
+        let level = &self.level;
         let pitch_contradicts = pitch.contradicts(
             expected.pitch,
             observed.pitch,
+            rate.pitch,
+            late.pitch,
             #[inline(always)]
-            |disturbed, down| fall.explains(disturbed, down, angle.pitch, rate.pitch),
+            |disturbed, down, moves| level.explains(disturbed, R::select(down, -drift, drift), moves),
         );
         let yaw_contradicts = yaw.contradicts(
             expected.yaw,
             observed.yaw,
+            rate.yaw,
+            late.yaw,
             #[inline(always)]
-            |disturbed, _| disturbed,
+            |disturbed, _, _| disturbed,
         );
         PerAxis { pitch: pitch_contradicts | stuck.pitch, yaw: yaw_contradicts | stuck.yaw }
     }

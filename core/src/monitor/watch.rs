@@ -2,15 +2,16 @@
 //!
 //! ```text
 //! contradicts: |expected| > least  and  observed sign(expected) < MOTION_SHARE |expected|
-//!              and |expected - observed| > what something explains with nothing wrong (in pitch, `fall.rs`),
-//!              MOTION_TICKS in a row                          a swapped sign, a stuck encoder
+//!              and |expected - observed| > what a disturbance or what `against.rs` has explains,
+//!              MOTION_TICKS in a row, AGAINST_TICKS while     a swapped sign, a stuck encoder
+//!              the rate is against expected
 //! stuck:       still, and due > most, where                   a stuck encoder as the reference moves on
 //!              change = min(|push - push when it became still|, |expected|)
 //!              due   <- due + T change    if change > least and the axis is wanted over most away;
 //!              due   <- 0                 if not still
 //! ```
 
-use super::motion::{MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
+use super::motion::{AGAINST_TICKS, MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
 use super::persistence::Persistence;
 use crate::real::{Count, Mask, Real};
 
@@ -48,29 +49,41 @@ impl<R: Real<Scalar = f32>> Watch<R> {
         Self { disagreement: Persistence::default(), stillness, ..self }
     }
 
-    /// Less than its share of the expected motion, in its direction, and parted from it by more than
-    /// `explained` says \[rad/s\], of what a disturbance by volts explains and of whether the push is downward.
+    /// Less than its share of the expected motion, in its direction, and parted from it by more than late
+    /// rotors explain \[rad/s\] and `explained`, of what a disturbance by volts explains, of what turns a sign
+    /// to the push's, and of whether the axis moves against it.
     #[inline(always)]
     pub(super) fn contradicts(
         &mut self,
         expected: R,
         observed: R,
-        explained: impl FnOnce(R, R::Mask) -> R,
+        rate: R,
+        late: R,
+        explained: impl FnOnce(R, R::Mask, R::Mask) -> R,
     ) -> R::Mask {
         let size = expected.abs();
+        let down = expected.lt(R::zero());
+        let along = |x: R| R::select(down, -x, x);
+        let against = || along(rate).lt(R::zero());
         let contradicts = self.least.lt(size).and(
             #[inline(always)]
             || {
-                let down = expected.lt(R::zero());
-                let along = R::select(down, -observed, observed);
+                let seen = along(observed);
                 let share = R::splat(MOTION_SHARE) * size;
-                along.lt(share).and(
+                seen.lt(share).and(
                     #[inline(always)]
-                    || explained(self.disturbed, down).lt(size - along),
+                    || {
+                        let moves = against();
+                        let late = R::select(moves, along(late).max(R::zero()), R::zero());
+                        (explained(self.disturbed, down, moves) + late).lt(size - seen)
+                    },
                 )
             },
         );
-        self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY)
+        self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY).and(
+            #[inline(always)]
+            || !against() | self.disagreement.is_over(AGAINST_TICKS / MOTION_EVERY),
+        )
     }
 }
 
