@@ -46,8 +46,9 @@ pub struct Wrong<M> {
     pub finite: M,
 }
 
-/// The rules, their limits and their memory.
+/// The rules, their limits and their memory: what every tick looks at first.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct FlightRules<R: Real> {
     /// \[rad\]
     pitch: R,
@@ -55,8 +56,8 @@ pub struct FlightRules<R: Real> {
     rate: PerAxis<R>,
     /// \[counts\] In a tick.
     jump: PerAxis<R::Count>,
-    motion: Motion<R>,
     contradicted: PerAxis<R::Mask>,
+    motion: Motion<R>,
 }
 
 impl<R: Real<Scalar = f32>> FlightRules<R> {
@@ -82,6 +83,11 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
     /// Arming and the check start afresh, at this pitch \[rad\]: no motion is expected yet.
     pub fn restart(&mut self, pitch: R) {
         self.motion.restart(pitch);
+        self.contradicted = PerAxis::both(R::Mask::splat(false));
+    }
+
+    /// The law no longer turns the motors.
+    pub fn end(&mut self) {
         self.contradicted = PerAxis::both(R::Mask::splat(false));
     }
 

@@ -60,10 +60,10 @@ pub struct Observation {
     pub heard: bool,
 }
 
-/// The rules' memory.
+/// The rules' memory: what every tick looks at first (see [`ControlLoop`](crate::control_loop::ControlLoop)).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Monitor {
-    flight: FlightRules<f32>,
     /// \[V\]
     supply_low: f32,
     supply_high: f32,
@@ -73,6 +73,7 @@ pub struct Monitor {
     supply: Exception,
     current: Exception,
     silent: u32,
+    flight: FlightRules<f32>,
 }
 
 impl Monitor {
@@ -103,6 +104,11 @@ impl Monitor {
         self.silent = 0;
     }
 
+    /// The flight has ended: no motion is compared any more.
+    pub fn end_flight(&mut self) {
+        self.flight.end();
+    }
+
     /// The link has been silent for `limits.command_timeout`, and was not in the last tick.
     #[inline(always)]
     #[must_use]
@@ -126,8 +132,8 @@ impl Monitor {
         Conditions::NONE
             .with(Condition::PitchJump, wrong.jumped.pitch)
             .with(Condition::YawJump, wrong.jumped.yaw)
-            .with(Condition::PitchMotion, observed.seen.armed && self.flight.contradicted().pitch)
-            .with(Condition::YawMotion, observed.seen.armed && self.flight.contradicted().yaw)
+            .with(Condition::PitchMotion, self.flight.contradicted().pitch)
+            .with(Condition::YawMotion, self.flight.contradicted().yaw)
             .with(Condition::AngleEnvelope, observed.zeroed && wrong.steep)
             .with(Condition::RateEnvelope, wrong.fast.pitch || wrong.fast.yaw)
             .with(Condition::NonFinite, !wrong.finite)
