@@ -37,8 +37,7 @@
 //! \[rad/s²\] parts observed from expected by at most W d ∫|g| dt, whatever its course, where g is the
 //! impulse response of both filters, 1/(s W + 1) and s L/(s L + 1): ∫|g| dt is twice the peak of their step
 //! response, 1.47. d comes from [`DISTURBANCE_VOLTS`] at each motor, on thrust that may be quadratic, and
-//! from friction. A weight pulls the nose harder than that, once, and so do rotors that are slower than
-//! believed; both are seen to (`against.rs`).
+//! from friction. A weight and rotors that are late may do more, and are seen to (`against.rs`).
 
 use super::against::{Late, Level};
 use super::flight::Seen;
@@ -61,8 +60,7 @@ pub const MOTION_SHARE: f32 = 0.1;
 /// \[V\] Largest disturbance at each motor that the loop is to hold against; where a third of the motor's
 /// limit is less, that.
 pub const DISTURBANCE_VOLTS: f32 = 5.0;
-/// \[-\] Most that a disturbance within ±1 parts observed from expected: ∫|g| dt = 1.467, and 8 % for what
-/// the estimated rate overshoots by.
+/// \[-\] Most that a disturbance within ±1 parts the two by: ∫|g| dt = 1.467, and 8 % for the estimated rate.
 const DISTURBANCE_PEAK: f32 = 1.584;
 /// \[-\] The same for a weight that comes or goes once, for the part of the thrust that can hold it. By the
 /// filters alone .733, which is .587 for a weight of 80 % of the most; some more for the estimated rate.

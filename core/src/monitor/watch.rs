@@ -49,9 +49,9 @@ impl<R: Real<Scalar = f32>> Watch<R> {
         Self { disagreement: Persistence::default(), stillness, ..self }
     }
 
-    /// Less than its share of the expected motion, in its direction, and parted from it by more than late
-    /// rotors explain \[rad/s\] and `explained`, of what a disturbance by volts explains, of what turns a sign
-    /// to the push's, and of whether the axis moves against it.
+    /// Less than its share of the expected motion is seen, and nothing sound explains what is missing.
+    /// `late`: what late rotors push less by \[rad/s\]. `explained`: what else explains, from what a
+    /// disturbance by volts does \[rad/s\], whether the push is negative, and whether the axis moves against it.
     #[inline(always)]
     pub(super) fn contradicts(
         &mut self,
