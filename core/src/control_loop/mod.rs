@@ -29,7 +29,8 @@ use core::hint::cold_path;
 /// Counters in, duties out, once a tick.
 ///
 /// In this order: what the tick always looks at lies within the 1,020 bytes that a floating-point load of a
-/// Cortex-M4 reaches from one register, and the trial, which is seldom there, behind it.
+/// Cortex-M4 reaches from one register; what the monitor looks at every fourth tick, and the trial, which is
+/// seldom there, behind it.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct ControlLoop {
@@ -51,8 +52,8 @@ pub struct ControlLoop {
     /// \[V\] What the drive counts on at least.
     supply_low: f32,
     approach: Approach,
-    monitor: Monitor,
     accepted: Accepted,
+    monitor: Monitor,
     rest_counts: PerAxis<i32>,
     check: FirstPowerCheck,
     /// Number of the message that asked for the accepted controller, unless it is the record's.
@@ -243,6 +244,7 @@ impl ControlLoop {
         let observed = Observation {
             seen: Seen {
                 tick: self.tick,
+                armed: self.is_armed(),
                 moved,
                 angle,
                 rate,
@@ -254,7 +256,6 @@ impl ControlLoop {
             supply_before: self.supply,
             current_limit: inputs.current_limit,
             zeroed: self.zeroed,
-            armed: self.is_armed(),
             motors_may_turn: self.state().motors_may_turn(),
             heard: inputs.heard,
         };
@@ -304,14 +305,17 @@ impl ControlLoop {
         self.trial = None;
         match self.supervisor.state() {
             ArmState::Armed => {
-                self.monitor.restart();
+                self.monitor.restart(measured.pitch);
                 self.approach.begin(measured);
             }
             ArmState::Checking => {
-                self.monitor.restart();
+                self.monitor.restart(measured.pitch);
                 self.check.restart();
             }
-            _ if before == ArmState::Armed => self.approach.level(),
+            _ if before == ArmState::Armed => {
+                self.monitor.end_flight();
+                self.approach.level();
+            }
             _ => {}
         }
         true

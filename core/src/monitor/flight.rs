@@ -17,6 +17,8 @@ pub const JUMP_COUNTS: f32 = 3.0;
 pub struct Seen<R: Real> {
     /// Which tick it is, counted from the board's boot.
     pub tick: u32,
+    /// The law turns the motors. Only then is motion compared.
+    pub armed: bool,
     /// \[counts\] Motion of each encoder since the last tick.
     pub moved: PerAxis<R::Count>,
     /// \[rad\] Estimated angles.
@@ -44,8 +46,9 @@ pub struct Wrong<M> {
     pub finite: M,
 }
 
-/// The rules, their limits and their memory.
+/// The rules, their limits and their memory: what every tick looks at first.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct FlightRules<R: Real> {
     /// \[rad\]
     pitch: R,
@@ -53,8 +56,8 @@ pub struct FlightRules<R: Real> {
     rate: PerAxis<R>,
     /// \[counts\] In a tick.
     jump: PerAxis<R::Count>,
-    motion: Motion<R>,
     contradicted: PerAxis<R::Mask>,
+    motion: Motion<R>,
 }
 
 impl<R: Real<Scalar = f32>> FlightRules<R> {
@@ -77,9 +80,14 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         }
     }
 
-    /// Arming and the check start afresh: no motion is expected yet.
-    pub fn restart(&mut self) {
-        self.motion.restart();
+    /// Arming and the check start afresh, at this pitch \[rad\]: no motion is expected yet.
+    pub fn restart(&mut self, pitch: R) {
+        self.motion.restart(pitch);
+        self.contradicted = PerAxis::both(R::Mask::splat(false));
+    }
+
+    /// The law no longer turns the motors.
+    pub fn end(&mut self) {
         self.contradicted = PerAxis::both(R::Mask::splat(false));
     }
 
@@ -97,14 +105,15 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         let steep = self.pitch.lt(angle.pitch.abs());
         // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
         let sum = (angle.pitch + angle.yaw) + (rate.pitch + rate.yaw) + (demand.main + demand.tail);
-        if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 {
+        // In flight alone: the tick that arms is the longest.
+        if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 && seen.armed {
             self.contradicted = self.motion.disagrees(seen);
         }
         Wrong { jumped, steep, fast, finite: sum.is_finite() }
     }
 
     /// The encoders do not show what the volts must have moved, whether it is the law that gave them or not:
-    /// at the last comparison.
+    /// at the last comparison, which was in flight.
     #[inline(always)]
     pub fn contradicted(&self) -> PerAxis<R::Mask> {
         self.contradicted

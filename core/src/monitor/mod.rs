@@ -5,7 +5,7 @@
 //! | condition | rule | time |
 //! |---|---|---|
 //! | `PitchJump`, `YawJump` | an encoder moved in one tick further than [`JUMP_MARGIN`] times the largest rate allows, plus [`JUMP_COUNTS`] counts | the tick it happens |
-//! | `PitchMotion`, `YawMotion` | armed, and the voltages of the last [`MOTION_WINDOW`] s should have given over [`MOTION_PUSH`] of what full voltage gives, the encoder shows less than [`MOTION_SHARE`] of that or the opposite, and no disturbance of [`DISTURBANCE_VOLTS`] at each motor, nor a weight that can be held, explains it | [`MOTION_TICKS`] in a row |
+//! | `PitchMotion`, `YawMotion` | armed, and the voltages of the last [`MOTION_WINDOW`] s should have given over [`MOTION_PUSH`] of what full voltage gives, the encoder shows less than [`MOTION_SHARE`] of that or the opposite, and no disturbance of [`DISTURBANCE_VOLTS`] at each motor, nor a weight that can be held, nor rotors [`LATE`] times as slow as believed, explains it | [`MOTION_TICKS`] in a row; [`AGAINST_TICKS`] while the axis moves against its motors |
 //! | the same | armed, the encoder has not left its neighbouring counts for [`STILL_TICKS`], and what the voltages give has changed since by over [`STUCK_PUSH`] of what full voltage gives while the axis was wanted [`STUCK_COUNTS`] elsewhere | when that should have moved it by [`STUCK_COUNTS`] |
 //! | `AngleEnvelope` | zeroed, and pitch beyond `limits.pitch` | the tick it happens |
 //! | `RateEnvelope` | an estimated rate beyond `limits.rate` | the tick it happens |
@@ -15,6 +15,7 @@
 //! | `CurrentLimit` | the amplifier's signal is on | [`CURRENT_TICKS`] in a row |
 //! | `CommandTimeout` | armed or checking, and no message for `limits.command_timeout`; armed, with `limits.lost_link` other than `off`, when holding or landing has ended | that many ticks |
 
+mod against;
 mod flight;
 mod motion;
 mod persistence;
@@ -22,8 +23,8 @@ mod watch;
 
 pub use flight::{FlightRules, JUMP_COUNTS, JUMP_MARGIN, Seen, Wrong};
 pub use motion::{
-    DISTURBANCE_VOLTS, LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE, MOTION_TICKS, MOTION_WINDOW,
-    STILL_TICKS, STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
+    AGAINST_TICKS, DISTURBANCE_VOLTS, DRIFT, LATE, LOAD_WINDOW, MOTION_EVERY, MOTION_PUSH, MOTION_SHARE,
+    MOTION_TICKS, MOTION_WINDOW, STILL_TICKS, STOP_MARGIN, STUCK_COUNTS, STUCK_PUSH,
 };
 
 use crate::parameters::{LAND_TICKS, LostLink, Parameters};
@@ -53,18 +54,16 @@ pub struct Observation {
     pub current_limit: bool,
     /// The encoders have a zero.
     pub zeroed: bool,
-    /// The law turns the motors.
-    pub armed: bool,
     /// The law or the check turns them.
     pub motors_may_turn: bool,
     /// A message came since the last tick.
     pub heard: bool,
 }
 
-/// The rules' memory.
+/// The rules' memory: what every tick looks at first (see [`ControlLoop`](crate::control_loop::ControlLoop)).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Monitor {
-    flight: FlightRules<f32>,
     /// \[V\]
     supply_low: f32,
     supply_high: f32,
@@ -74,6 +73,7 @@ pub struct Monitor {
     supply: Exception,
     current: Exception,
     silent: u32,
+    flight: FlightRules<f32>,
 }
 
 impl Monitor {
@@ -97,10 +97,16 @@ impl Monitor {
         }
     }
 
-    /// Arming and the check start afresh: no motion is expected yet, and the host has just spoken.
-    pub fn restart(&mut self) {
-        self.flight.restart();
+    /// Arming and the check start afresh, at this pitch \[rad\]: no motion is expected yet, and the host has
+    /// just spoken.
+    pub fn restart(&mut self, pitch: f32) {
+        self.flight.restart(pitch);
         self.silent = 0;
+    }
+
+    /// The flight has ended: no motion is compared any more.
+    pub fn end_flight(&mut self) {
+        self.flight.end();
     }
 
     /// The link has been silent for `limits.command_timeout`, and was not in the last tick.
@@ -118,15 +124,16 @@ impl Monitor {
         self.silent = if observed.heard { 0 } else { self.silent.saturating_add(1) };
         let silent = self.silent >= self.command_timeout && {
             cold_path();
-            observed.motors_may_turn && (self.silent >= self.flight_timeout || !observed.armed || landed())
+            observed.motors_may_turn
+                && (self.silent >= self.flight_timeout || !observed.seen.armed || landed())
         };
         // False with a NaN.
         let steady = (observed.supply - observed.supply_before).abs() <= SUPPLY_JUMP * observed.supply_before;
         Conditions::NONE
             .with(Condition::PitchJump, wrong.jumped.pitch)
             .with(Condition::YawJump, wrong.jumped.yaw)
-            .with(Condition::PitchMotion, observed.armed && self.flight.contradicted().pitch)
-            .with(Condition::YawMotion, observed.armed && self.flight.contradicted().yaw)
+            .with(Condition::PitchMotion, self.flight.contradicted().pitch)
+            .with(Condition::YawMotion, self.flight.contradicted().yaw)
             .with(Condition::AngleEnvelope, observed.zeroed && wrong.steep)
             .with(Condition::RateEnvelope, wrong.fast.pitch || wrong.fast.yaw)
             .with(Condition::NonFinite, !wrong.finite)

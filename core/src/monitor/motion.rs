@@ -36,11 +36,12 @@
 //! tells it from a stuck encoder. What tells them apart is that a disturbance is bounded. One within ±d
 //! \[rad/s²\] parts observed from expected by at most W d ∫|g| dt, whatever its course, where g is the
 //! impulse response of both filters, 1/(s W + 1) and s L/(s L + 1): ∫|g| dt is twice the peak of their step
-//! response, 1.34. d comes from [`DISTURBANCE_VOLTS`] at each motor, on thrust that may be quadratic, and
-//! from friction. A weight hung on pulls the nose down harder than that, once, and is seen to do so.
+//! response, 1.47. d comes from [`DISTURBANCE_VOLTS`] at each motor, on thrust that may be quadratic, and
+//! from friction. A weight and rotors that are late may do more, and are seen to (`against.rs`).
 
+use super::against::{Late, Level};
 use super::flight::Seen;
-use super::watch::{Parted, Watch};
+use super::watch::Watch;
 use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::EncoderScale;
 use crate::pipeline::Settings;
@@ -51,7 +52,7 @@ use crate::static_reach::SPARE;
 /// \[s\] Time constant over which pushes and motion are compared.
 pub const MOTION_WINDOW: f32 = 0.2;
 /// \[s\] Time constant after which a push that lasts counts as a load that the model does not know.
-pub const LOAD_WINDOW: f32 = 1.0;
+pub const LOAD_WINDOW: f32 = 1.5;
 /// Share of full voltage's push from which on a motion is expected.
 pub const MOTION_PUSH: f32 = 0.2;
 /// Share of the expected motion that must be observed. Generous: constants are wrong by 30 %, lags by 100 ms.
@@ -59,12 +60,15 @@ pub const MOTION_SHARE: f32 = 0.1;
 /// \[V\] Largest disturbance at each motor that the loop is to hold against; where a third of the motor's
 /// limit is less, that.
 pub const DISTURBANCE_VOLTS: f32 = 5.0;
-/// \[-\] Most that a disturbance within ±1 parts observed from expected: ∫|g| dt = 1.34, and 8 % for what the
-/// estimated rate overshoots by.
-const DISTURBANCE_PEAK: f32 = 1.45;
+/// \[-\] Most that a disturbance within ±1 parts the two by: ∫|g| dt = 1.467, and 8 % for the estimated rate.
+const DISTURBANCE_PEAK: f32 = 1.584;
 /// \[-\] The same for a weight that comes or goes once, for the part of the thrust that can hold it. By the
-/// filters alone .67; with more than this, an encoder that sticks in motion is found too late.
-const WEIGHT_PEAK: f32 = 0.52;
+/// filters alone .733, which is .587 for a weight of 80 % of the most; some more for the estimated rate.
+const WEIGHT_PEAK: f32 = 0.62;
+/// How many times as slow as believed rotors may be, while an axis moves against them.
+pub const LATE: f32 = 3.0;
+/// \[rad\] How far from where it lately was the nose has been moved, when it has.
+pub const DRIFT: f32 = 0.01;
 /// Share of full voltage's push by which it may change while an encoder shows no motion at all.
 pub const STUCK_PUSH: f32 = 0.06;
 /// \[counts\] How far that should have moved an encoder. Many: lags are longer than believed, constants less.
@@ -77,7 +81,9 @@ pub const STILL_TICKS: u32 = 240;
 /// \[ticks\] From one comparison to the next: motion is slow, a tick's time is dear.
 pub const MOTION_EVERY: u32 = 4;
 /// \[ticks\] How long the two must disagree.
-pub const MOTION_TICKS: u32 = 100;
+pub const MOTION_TICKS: u32 = 40;
+/// \[ticks\] While the axis moves against its motors: as one swings until slow rotors have caught it.
+pub const AGAINST_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
 pub const STOP_MARGIN: f32 = 0.05;
 
@@ -100,6 +106,8 @@ pub(super) struct Motion<R: Real> {
     push: PerAxis<R>,
     push_load: Load<R>,
     shown_load: Load<R>,
+    late: Late<R>,
+    level: Level<R>,
     watch: PerAxis<Watch<R>>,
 }
 
@@ -108,17 +116,21 @@ impl<R: Real<Scalar = f32>> Motion<R> {
         #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
         let step = s.sample_time * R::splat(MOTION_EVERY as f32);
         let reach = s.effectiveness.map(R::abs).torque(s.volts_limit);
+        let inertia = inertia(&s.model);
+        let rate = |torque: R, inertia: R| R::splat(MOTION_WINDOW) * torque / inertia;
         let least = |share: f32, stiction: f32| {
             let friction = s.model.coulomb_friction.scaled(R::splat(stiction));
-            let torque = reach.scaled(R::splat(share)).plus(friction);
-            torque.zip(inertia(&s.model), |torque, inertia| R::splat(MOTION_WINDOW) * torque / inertia)
+            reach.scaled(R::splat(share)).plus(friction).zip(inertia, rate)
         };
         let (moving, changed) = (least(MOTION_PUSH, 1.0), least(STUCK_PUSH, STICTION));
-        let parted = bounds(s, reach.pitch);
+        let disturbed = disturbance(s);
+        let weight = rate(weight(s, reach.pitch).max(disturbed.pitch), inertia.pitch);
+        let disturbed = disturbed.zip(inertia, rate);
         let most = encoders.map(|encoder| R::splat(STUCK_COUNTS * encoder.angle_per_count));
         let tau = s.model.rotor_time_constant;
         let if_lagging = |tau: R, x: R| R::select(R::zero().lt(tau), x, R::zero());
         let decay = |tau: R| if_lagging(tau, bilinear_decay(step / tau).max(R::zero()));
+        let slow_decay = decay(R::splat(LATE) * tau.main.max(tau.tail));
         let reaction = s.model.rotor_reaction.zip(tau, |r, tau| if_lagging(tau, r / tau));
         let pitch = &encoders.pitch;
         Self {
@@ -138,19 +150,23 @@ impl<R: Real<Scalar = f32>> Motion<R> {
             push: PerAxis::zero(),
             push_load: Load::zero(),
             shown_load: Load::zero(),
+            late: Late::new(slow_decay, step, inertia),
+            level: Level::new(weight),
             watch: PerAxis {
-                pitch: Watch::new(moving.pitch, parted.pitch, changed.pitch, most.pitch),
-                yaw: Watch::new(moving.yaw, parted.yaw, changed.yaw, most.yaw),
+                pitch: Watch::new(moving.pitch, disturbed.pitch, changed.pitch, most.pitch),
+                yaw: Watch::new(moving.yaw, disturbed.yaw, changed.yaw, most.yaw),
             },
         }
     }
 
-    pub(super) fn restart(&mut self) {
+    pub(super) fn restart(&mut self, pitch: R) {
         self.volts = PerMotor::zero();
         self.slow_rate = PerAxis::zero();
         self.push = PerAxis::zero();
         self.push_load = Load::zero();
         self.shown_load = Load::zero();
+        self.late.restart();
+        self.level.restart(pitch);
         self.watch = self.watch.map(Watch::restart);
     }
 
@@ -168,6 +184,8 @@ impl<R: Real<Scalar = f32>> Motion<R> {
         let Seen { angle, rate, applied, .. } = *seen;
         self.volts = follow(self.volts, applied, self.rotor_decay);
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
+        let late = self.late.step(torque, self.keep);
+        let drift = self.level.step(angle.pitch, self.keep_load);
         let mut accel = self.body.accel(torque, angle.pitch, rate);
         let lies = angle.pitch.lt(self.stop);
         if lies.any() {
@@ -185,10 +203,24 @@ impl<R: Real<Scalar = f32>> Motion<R> {
             pitch: pitch.stillness.is_stuck(push.pitch, expected.pitch, wanted.pitch, lies, self.step),
             yaw: yaw.stillness.is_stuck(push.yaw, expected.yaw, wanted.yaw, nowhere, self.step),
         };
-        PerAxis {
-            pitch: pitch.contradicts(expected.pitch, observed.pitch) | stuck.pitch,
-            yaw: yaw.contradicts(expected.yaw, observed.yaw) | stuck.yaw,
-        }
+        let level = &self.level;
+        let pitch_contradicts = pitch.contradicts(
+            expected.pitch,
+            observed.pitch,
+            rate.pitch,
+            late.pitch,
+            #[inline(always)]
+            |disturbed, down, moves| level.explains(disturbed, R::select(down, -drift, drift), moves),
+        );
+        let yaw_contradicts = yaw.contradicts(
+            expected.yaw,
+            observed.yaw,
+            rate.yaw,
+            late.yaw,
+            #[inline(always)]
+            |disturbed, _, _| disturbed,
+        );
+        PerAxis { pitch: pitch_contradicts | stuck.pitch, yaw: yaw_contradicts | stuck.yaw }
     }
 }
 
@@ -224,9 +256,8 @@ impl<R: Real> LinearBody<R> {
     }
 }
 
-/// \[rad/s\] By how much a disturbance may part what is observed from what is expected, with full volts
-/// giving a torque of `reach` \[N m\] in pitch.
-fn bounds<R: Real<Scalar = f32>>(settings: &Settings<R>, reach: R) -> PerAxis<Parted<R>> {
+/// \[N m\] What parts observed from expected as far as a disturbance by volts may.
+fn disturbance<R: Real<Scalar = f32>>(settings: &Settings<R>) -> PerAxis<R> {
     let model = &settings.model;
     let volts =
         settings.volts_limit.map(|limit| R::splat(DISTURBANCE_VOLTS).min(limit * R::splat(1.0 / 3.0)));
@@ -234,16 +265,15 @@ fn bounds<R: Real<Scalar = f32>>(settings: &Settings<R>, reach: R) -> PerAxis<Pa
     // Added to half of the limit, where v|v| rises by the limit for each volt.
     let square = volts.zip(settings.volts_limit, |volts, limit| volts * limit);
     let quadratic = model.quadratic_effectiveness.map(R::abs).torque(square);
-    let torque = linear.plus(quadratic).plus(model.coulomb_friction).scaled(R::splat(DISTURBANCE_PEAK));
+    linear.plus(quadratic).plus(model.coulomb_friction).scaled(R::splat(DISTURBANCE_PEAK))
+}
+
+/// \[N m\] The same of a weight, with full volts giving a torque of `reach` \[N m\] in pitch.
+fn weight<R: Real<Scalar = f32>>(settings: &Settings<R>, reach: R) -> R {
+    let model = &settings.model;
     let held = R::splat(1.0 - f32::from_f64(SPARE)) * reach;
     let holds = (held - model.mass * model.gravity * model.center_of_mass).max(R::zero());
-    let weight = (R::splat(WEIGHT_PEAK) * holds).max(torque.pitch);
-    let rate = |torque: R, inertia: R| R::splat(MOTION_WINDOW) * torque / inertia;
-    let inertia = inertia(model);
-    PerAxis {
-        pitch: Parted { at_rest: rate(torque.pitch, inertia.pitch), against: rate(weight, inertia.pitch) },
-        yaw: Parted { at_rest: rate(torque.yaw, inertia.yaw), against: rate(torque.yaw, inertia.yaw) },
-    }
+    R::splat(WEIGHT_PEAK) * holds
 }
 
 /// \[kg m²\] I + m L².

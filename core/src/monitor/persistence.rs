@@ -22,6 +22,12 @@ impl<R: Real> Persistence<R> {
         self.ticks = R::Count::pick(now, self.ticks.one_more(), R::Count::whole(0));
         self.ticks.reaches(limit.cast_signed())
     }
+
+    /// True from the `limit`th in a row on, this tick's counted.
+    #[inline(always)]
+    pub(super) fn is_over(&self, limit: u32) -> R::Mask {
+        self.ticks.reaches(limit.cast_signed())
+    }
 }
 
 /// How often what is the exception has been so, on a board.

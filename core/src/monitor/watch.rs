@@ -2,39 +2,32 @@
 //!
 //! ```text
 //! contradicts: |expected| > least  and  observed sign(expected) < MOTION_SHARE |expected|
-//!              and |expected - observed| > what a disturbance explains,
-//!              MOTION_TICKS in a row                          a swapped sign, a stuck encoder
+//!              and |expected - observed| > what a disturbance or what `against.rs` has explains,
+//!              MOTION_TICKS in a row, AGAINST_TICKS while     a swapped sign, a stuck encoder
+//!              the rate is against expected
 //! stuck:       still, and due > most, where                   a stuck encoder as the reference moves on
 //!              change = min(|push - push when it became still|, |expected|)
 //!              due   <- due + T change    if change > least and the axis is wanted over most away;
 //!              due   <- 0                 if not still
 //! ```
 
-use super::motion::{MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
+use super::motion::{AGAINST_TICKS, MOTION_EVERY, MOTION_SHARE, MOTION_TICKS, STILL_TICKS};
 use super::persistence::Persistence;
 use crate::real::{Count, Mask, Real};
-
-/// \[rad/s\] By how much a disturbance may part what is observed from what is expected.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Parted<R> {
-    /// While hardly anything moves.
-    pub(super) at_rest: R,
-    /// While the axis moves against what is expected.
-    pub(super) against: R,
-}
 
 /// The two rules of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Watch<R: Real> {
     /// \[rad/s\] From where on an expected rate counts.
     least: R,
-    parted: Parted<R>,
+    /// \[rad/s\] By how much a disturbance by volts may part what is observed from what is expected.
+    disturbed: R,
     disagreement: Persistence<R>,
     pub(super) stillness: Stillness<R>,
 }
 
 impl<R: Real<Scalar = f32>> Watch<R> {
-    pub(super) fn new(least: R, parted: Parted<R>, least_change: R, most: R) -> Self {
+    pub(super) fn new(least: R, disturbed: R, least_change: R, most: R) -> Self {
         let stillness = Stillness {
             away: R::Count::whole(0),
             still: Persistence::default(),
@@ -43,7 +36,7 @@ impl<R: Real<Scalar = f32>> Watch<R> {
             due: R::zero(),
             most,
         };
-        Self { least, parted, disagreement: Persistence::default(), stillness }
+        Self { least, disturbed, disagreement: Persistence::default(), stillness }
     }
 
     pub(super) fn restart(self) -> Self {
@@ -56,25 +49,41 @@ impl<R: Real<Scalar = f32>> Watch<R> {
         Self { disagreement: Persistence::default(), stillness, ..self }
     }
 
-    /// Less than its share of the expected motion, in its direction, and no disturbance explains that.
+    /// Less than its share of the expected motion is seen, and nothing sound explains what is missing.
+    /// `late`: what late rotors push less by \[rad/s\]. `explained`: what else explains, from what a
+    /// disturbance by volts does \[rad/s\], whether the push is negative, and whether the axis moves against it.
     #[inline(always)]
-    pub(super) fn contradicts(&mut self, expected: R, observed: R) -> R::Mask {
+    pub(super) fn contradicts(
+        &mut self,
+        expected: R,
+        observed: R,
+        rate: R,
+        late: R,
+        explained: impl FnOnce(R, R::Mask, R::Mask) -> R,
+    ) -> R::Mask {
         let size = expected.abs();
+        let down = expected.lt(R::zero());
+        let along = |x: R| R::select(down, -x, x);
+        let against = || along(rate).lt(R::zero());
         let contradicts = self.least.lt(size).and(
             #[inline(always)]
             || {
-                let along = R::select(expected.lt(R::zero()), -observed, observed);
+                let seen = along(observed);
                 let share = R::splat(MOTION_SHARE) * size;
-                along.lt(share).and(
+                seen.lt(share).and(
                     #[inline(always)]
                     || {
-                        let Parted { at_rest, against } = self.parted;
-                        R::select(along.lt(-share), against, at_rest).lt(size - along)
+                        let moves = against();
+                        let late = R::select(moves, along(late).max(R::zero()), R::zero());
+                        (explained(self.disturbed, down, moves) + late).lt(size - seen)
                     },
                 )
             },
         );
-        self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY)
+        self.disagreement.over(contradicts, MOTION_TICKS / MOTION_EVERY).and(
+            #[inline(always)]
+            || !against() | self.disagreement.is_over(AGAINST_TICKS / MOTION_EVERY),
+        )
     }
 }
 

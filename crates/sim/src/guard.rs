@@ -68,6 +68,7 @@ impl<R: Real<Scalar = f32>> Guard<R> {
         if tick > 0 {
             let wrong = self.rules.check(&Seen {
                 tick: tick + ARMS,
+                armed: true,
                 moved: happened.counts.minus(self.counts).map(R::to_count),
                 angle: decision.estimate.state.angle,
                 rate: decision.estimate.state.rate,
