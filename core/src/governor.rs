@@ -9,14 +9,20 @@
 //! - **Rate and acceleration** that a setpoint brings are bounded: the rate by twice what a far goal is gone
 //!   at, the acceleration by what a step of the reach asks for and by what the volts leave beside those that
 //!   hold the pose. A setpoint that moves faster is followed as if its amplitude were less: both are scaled
-//!   by one factor, which recovers more slowly than a swing. Near the continuous limit (`WARM`) the bounds
+//!   by one factor, which recovers more slowly than a swing, and with warm motors hardly at all. (A factor
+//!   that follows the heat of every swing is another on the way out than on the way back, and what is asked
+//!   for walks away from the setpoint, out of the envelope.) Near the continuous limit (`WARM`) the bounds
 //!   shrink; for a setpoint that has just begun to move they are a part (`BEGIN`), since a jump of the rate
 //!   asks for more than the motion that follows.
-//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current
-//!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
-//!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
-//!   die, and the motors cool. While the bound is in force the rig has been left behind: of any motion less
-//!   is asked for (`SLOWING`), and in full again only after `RECOVERY` seconds.
+//! - **The error** that the law sees is at most half of the reach, and less with warm motors. A motor whose
+//!   current is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and
+//!   keeps the motors hot by doing so. With the error bounded the damping outweighs the stiffness in large
+//!   swings, they die, and the motors cool. An error that is more than `LOST` beyond the bound means that the
+//!   rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only after
+//!   `RECOVERY` seconds.
+//! - **Room.** How warm is warm depends on what is left to catch a swing with. Where a step of the reach asks
+//!   for less of pitch than the volts leave, all of these begin nearer to the continuous limit, at most twice
+//!   as near (`MOST_EASE`).
 //! - **Pitch** stays where the motors can hold it for long ([`StaticReach`]).
 //!
 //! A step within the reach, with cold motors, is governed by nothing of this.
@@ -38,8 +44,14 @@ const CRAWL: f64 = 0.12;
 const WARM: f64 = 0.12;
 /// \[-\] Of that room, what is kept in any case.
 const MARGIN: f64 = 0.04;
-/// \[-\] Least share of the reach that an error is taken for.
-const LEAST_ERROR: f64 = 0.03;
+/// \[-\] Of the reach, the largest error that the law sees.
+const ERROR_SHARE: f64 = 0.5;
+/// \[-\] Of that, what is seen of an error in any case.
+const LEAST_ERROR: f64 = 0.06;
+/// \[rad\] Sum of both axes' errors beyond the bound from which on the rig counts as left behind.
+const LOST: f64 = 0.01;
+/// \[-\] Most by which the room that heat leaves may count for more.
+const MOST_EASE: f64 = 2.0;
 /// \[-\] Largest rate of a setpoint, for each rad/s at which a far goal is gone at.
 const RATE_MARGIN: f64 = 2.0;
 /// \[-\] Largest acceleration of a setpoint, for what a step of the reach asks for.
@@ -66,8 +78,10 @@ pub struct Governor<R> {
     /// \[rad/s\], \[rad/s²\] Most of a setpoint's own motion.
     rate: PerAxis<R>,
     accel: PerAxis<R>,
-    /// \[rad\]
-    reach: PerAxis<R>,
+    /// \[rad\] Largest error that the law sees, with cold motors.
+    error: PerAxis<R>,
+    /// \[-\] By how much the room that heat leaves counts for more.
+    ease: R,
     /// Gained by `follow` and by `scale` in a tick.
     recovery: R,
     gentle: R,
@@ -82,6 +96,12 @@ pub struct Governor<R> {
 }
 
 impl<R: Real> Governor<R> {
+    /// What the motors' heat leaves, with a `limit` where the motors are known.
+    #[inline(always)]
+    pub fn leave(&self, limit: Option<&CurrentLimit<R>>) -> Leave<R> {
+        Leave::new(limit, self.ease)
+    }
+
     /// \[-\] Share of the filter's reach that counts.
     #[inline(always)]
     pub fn reach(&self, leave: &Leave<R>) -> R {
@@ -99,14 +119,14 @@ pub struct Leave<R> {
 }
 
 impl<R: Real> Leave<R> {
-    /// With a `limit` where the motors are known.
+    /// With a `limit` where the motors are known, for a governor that counts its room `ease` times.
     #[inline(always)]
-    pub fn new(limit: Option<&CurrentLimit<R>>) -> Self {
+    fn new(limit: Option<&CurrentLimit<R>>, ease: R) -> Self {
         let one = R::one();
         let Some(limit) = limit else {
             return Self { reach: one, motion: one, error: one };
         };
-        let room = one - limit.load();
+        let room = (one - limit.load()) * ease;
         let share = |room: R, whole: f64| (room * R::from_f64(1.0 / whole)).clamp(R::from_f64(CRAWL), one);
         let reach = share(room, STEP_HEAT);
         Self {
@@ -126,12 +146,15 @@ impl<R: Real> Governor<R> {
         let speed = filter.bandwidth.zip(reach, |w, reach| w * reach);
         let step =
             filter.bandwidth.zip(speed, |w, speed| R::from_f64(ACCEL_MARGIN * STEP_ACCEL) * (w * speed));
+        let most = authority(settings).scaled(R::from_f64(AUTHORITY));
+        let accel = step.zip(most, R::min);
         Self {
             low: held.low,
             high: held.high,
             rate: speed.zip(sum, |speed, sum| R::from_f64(RATE_MARGIN) * speed / sum),
-            accel: step.zip(authority(settings), |step, most| step.min(R::from_f64(AUTHORITY) * most)),
-            reach,
+            accel,
+            ease: (most.pitch / accel.pitch).min(R::from_f64(MOST_EASE)),
+            error: reach.scaled(R::from_f64(ERROR_SHARE)),
             recovery: settings.sample_time * R::from_f64(1.0 / RECOVERY),
             slowing: R::one() - settings.sample_time * R::from_f64(1.0 / SLOWING),
             gentle: settings.sample_time * R::from_f64(1.0 / GENTLE),
@@ -161,7 +184,6 @@ impl<R: Real> Governor<R> {
         // Sums, so that what is not a number stays one.
         let pitch = wanted.angle.pitch;
         let beyond = pitch.clamp(self.low, self.high) - pitch;
-        let moves = R::select(R::zero().lt(beyond.abs()), R::zero(), R::one());
         // A setpoint at rest has no motion to scale: when it begins to move fast, it does so gently.
         let motion = wanted.rate.zip(wanted.accel, |rate, accel| rate.abs() + accel.abs());
         self.open = self.open.zip(motion, |open, motion| {
@@ -174,9 +196,12 @@ impl<R: Real> Governor<R> {
         };
         let rate = most(self.rate, wanted.rate);
         let accel = most(self.accel, wanted.accel);
-        let recovered = self.scale.map(|s| (s + self.gentle).min(R::one()));
+        let gained = self.gentle * leave.error;
+        // `follow` is at most 1, and so the whole.
+        let recovered = self.scale.map(|s| s + gained);
         self.scale = rate.zip(accel, R::min).zip(recovered, R::min).map(|s| s.min(self.follow));
-        let scale = PerAxis::new(self.scale.pitch * moves, self.scale.yaw);
+        let held = R::zero().lt(beyond.abs());
+        let scale = PerAxis::new(R::select(held, R::zero(), self.scale.pitch), self.scale.yaw);
         Reference {
             angle: PerAxis::new(pitch + beyond, wanted.angle.yaw),
             rate: wanted.rate.zip(scale, |rate, s| rate * s),
@@ -188,9 +213,9 @@ impl<R: Real> Governor<R> {
     #[inline(always)]
     pub fn within(&mut self, reference: &Reference<R>, angle: PerAxis<R>, leave: &Leave<R>) -> Reference<R> {
         let error = reference.angle.minus(angle);
-        let most = self.reach.scaled(leave.error);
+        let most = self.error.scaled(leave.error);
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
-        let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());
+        let lost = R::from_f64(LOST).lt(beyond.pitch.abs() + beyond.yaw.abs());
         let slowed = (self.follow * self.slowing).max(R::from_f64(CRAWL));
         self.follow = R::select(lost, slowed, (self.follow + self.recovery).min(R::one()));
         Reference { angle: reference.angle.plus(beyond), ..*reference }
@@ -237,7 +262,7 @@ mod tests {
     fn a_setpoint_at_rest_and_a_slow_one_pass_cold_motors_as_they_are() {
         for (rig, settings) in each() {
             let mut governor = governor(&rig, &settings);
-            let leave = Leave::new(None);
+            let leave = governor.leave(None);
             for wanted in [
                 Reference::at_rest(PerAxis::new(0.3, 3.0)),
                 Reference { rate: PerAxis::new(0.05, -0.1), ..Reference::default() },
@@ -253,7 +278,7 @@ mod tests {
     fn motion_is_scaled_as_a_whole_and_bounded() {
         for (rig, settings) in each() {
             let mut governor = governor(&rig, &settings);
-            let leave = Leave::new(None);
+            let leave = governor.leave(None);
             let fast =
                 Reference { angle: PerAxis::zero(), rate: PerAxis::both(9.0), accel: PerAxis::both(-90.0) };
             let asked = governor.govern(&fast, &leave);
@@ -271,13 +296,14 @@ mod tests {
     fn warm_motors_leave_less_of_everything() {
         let settings = CurrentLimitSettings::new(&presets::AERO2.motor.unwrap());
         let mut limit = CurrentLimit::new(settings, T);
-        let cold = Leave::new(Some(&limit));
+        let leave = |limit: &CurrentLimit<f64>| Leave::new(Some(limit), 1.0);
+        let cold = leave(&limit);
         assert_eq!((cold.reach, cold.motion, cold.error), (1.0, 1.0, 1.0));
         for _ in 0..200_000 {
             // 4.2 V with no rotor that turns is the continuous current.
             limit.observe(PerMotor::both(4.2), PerMotor::zero());
         }
-        let hot = Leave::new(Some(&limit));
+        let hot = leave(&limit);
         assert_eq!((hot.reach, hot.motion, hot.error), (CRAWL, CRAWL, LEAST_ERROR));
     }
 
@@ -287,7 +313,8 @@ mod tests {
         let settings = Settings::new(&weak, defaults::AERO_LAB, T);
         let mut governor = governor(&weak, &settings);
         let wanted = Reference { rate: PerAxis::both(0.1), ..Reference::at_rest(PerAxis::both(0.4)) };
-        let asked = governor.govern(&wanted, &Leave::new(None));
+        let leave = governor.leave(None);
+        let asked = governor.govern(&wanted, &leave);
         assert!((asked.angle.pitch - StaticReach::new(&settings).high).abs() < 1e-12);
         assert_eq!((asked.rate.pitch, asked.rate.yaw, asked.angle.yaw), (0.0, 0.1, 0.4));
     }
@@ -298,7 +325,7 @@ mod tests {
         let (rig, settings) = each().next().unwrap();
         let mut governor = governor(&rig, &settings);
         let bad = Reference { rate: PerAxis::both(f64::NAN), ..Reference::at_rest(PerAxis::both(f64::NAN)) };
-        let leave = Leave::new(None);
+        let leave = governor.leave(None);
         let asked = governor.govern(&bad, &leave);
         assert!(asked.angle.pitch.is_nan() && asked.rate.yaw.is_nan());
         assert!(governor.within(&asked, PerAxis::zero(), &leave).angle.pitch.is_nan());

@@ -9,7 +9,7 @@ use crate::axes::{PerAxis, PerMotor};
 use crate::command_filter::CommandFilter;
 use crate::controller::ControllerSettings;
 use crate::estimator::{Belief, Estimate, Estimator};
-use crate::governor::{Governor, Leave};
+use crate::governor::Governor;
 use crate::law::{ControlLaw, Law, Situation};
 use crate::lead::Lead;
 use crate::plant::{RigidBody, State};
@@ -175,7 +175,7 @@ impl<R: Real> Pipeline<R> {
         let reference = *match &mut self.reference {
             None => setpoint,
             Some((governor, filter)) => {
-                let leave = Leave::new(self.current_limit.as_ref());
+                let leave = governor.leave(self.current_limit.as_ref());
                 let wanted = governor.govern(setpoint, &leave);
                 let asked = filter.step(&wanted, governor.reach(&leave));
                 governed = governor.within(asked, belief.estimate.state.angle, &leave);
