@@ -19,17 +19,19 @@ use crate::rotor_model::RotorModel;
 
 /// A controller at work.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Pipeline<R> {
     model: RigidBody<R>,
     /// Where anything needs to know which volts are in effect.
     rotors: Option<RotorModel<R>>,
     estimator: Estimator<R>,
     reference: Option<(Governor<R>, CommandFilter<R>)>,
-    law: Law<R>,
     cancellation: Option<PerAxis<R>>,
     lead: Option<Lead<R>>,
     current_limit: Option<CurrentLimit<R>>,
     allocator: Allocator<R>,
+    /// Last: what large ones have behind what all of them have would keep the rest out of reach.
+    law: Law<R>,
 }
 
 /// What one tick came to.
@@ -217,6 +219,11 @@ impl<R: Real> Pipeline<R> {
     /// \[N m\] What of the torque asked for `allocation` does not give.
     pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
         self.allocator.unallocated_torque(allocation)
+    }
+
+    /// The law, at work.
+    pub fn law(&self) -> &Law<R> {
+        &self.law
     }
 
     /// \[V\] The limits in force.
