@@ -18,19 +18,22 @@ use crate::reference::Reference;
 use crate::rotor_model::RotorModel;
 
 /// A controller at work.
+///
+/// In this order: what every tick looks at stands before the law, which may have matrices behind what the
+/// others have. A floating-point load of a Cortex-M4 reaches 1,020 bytes from one register
+/// ([`ControlLoop`](crate::control_loop::ControlLoop)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct Pipeline<R> {
-    model: RigidBody<R>,
-    /// Where anything needs to know which volts are in effect.
-    rotors: Option<RotorModel<R>>,
-    estimator: Estimator<R>,
     reference: Option<(Governor<R>, CommandFilter<R>)>,
     cancellation: Option<PerAxis<R>>,
     lead: Option<Lead<R>>,
     current_limit: Option<CurrentLimit<R>>,
+    estimator: Estimator<R>,
     allocator: Allocator<R>,
-    /// Last: what large ones have behind what all of them have would keep the rest out of reach.
+    /// Where anything needs to know which volts are in effect.
+    rotors: Option<RotorModel<R>>,
+    model: RigidBody<R>,
     law: Law<R>,
 }
 
