@@ -18,6 +18,9 @@
 //!
 //! The last three may be left out. What they mean is in [`twinrotor::law`]'s `state_space`.
 
+#[cfg(test)]
+mod tests;
+
 use crate::gains_file::GainsFile;
 use crate::margins;
 use crate::scenario::SAMPLE_TIME;
