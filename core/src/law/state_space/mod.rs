@@ -50,12 +50,17 @@ pub struct StateSpace<R> {
     gains: StateSpaceGains<R>,
 }
 
+/// `from` and a row times a column, in the order of the row, all of it: what a law does not have is zero.
+/// (Four at a time, of which there is a whole number in each row: a board's compiler, told to be brief, unrolls
+/// nothing by itself.)
 #[inline(always)]
-fn product<R: Real>(from: R, row: &[R], values: &[R]) -> R {
-    row.iter().zip(values).fold(
+fn product<R: Real, const N: usize>(from: R, row: &[R; N], column: &[R; N]) -> R {
+    const { assert!(N.is_multiple_of(4)) };
+    let (rows, columns) = (row.as_chunks::<4>().0, column.as_chunks::<4>().0);
+    rows.iter().zip(columns).fold(
         from,
         #[inline(always)]
-        |sum, (coefficient, value)| sum + *coefficient * *value,
+        |sum, ([a, b, c, d], [p, q, r, s])| sum + *a * *p + *b * *q + *c * *r + *d * *s,
     )
 }
 
@@ -78,10 +83,7 @@ impl<R: Real> StateSpace<R> {
 
     #[inline(always)]
     fn output(&self, row: &[R; MOST_STATES], through: &[R; MOST_INPUTS]) -> R {
-        let order = self.gains.order();
-        let inputs = self.gains.signals().len();
-        let of_states = product(R::zero(), row, self.state.get(..order).unwrap_or_default());
-        product(of_states, through, self.input.get(..inputs).unwrap_or_default())
+        product(product(R::zero(), row, &self.state), through, &self.input)
     }
 
     /// (Apart on the board, whose tick has no room for more than the law that flies.)
@@ -116,13 +118,9 @@ impl<R: Real> StateSpace<R> {
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn advance(&mut self, missing: PerMotor<R>) {
         let order = self.gains.order();
-        let inputs = self.gains.signals().len();
-        let (state, input) = (self.state, self.input);
-        let state = state.get(..order).unwrap_or_default();
-        let input = input.get(..inputs).unwrap_or_default();
         let mut next = [R::zero(); MOST_STATES];
         for ((next, row), through) in next.iter_mut().zip(&self.gains.a).zip(&self.gains.b).take(order) {
-            *next = product(product(R::zero(), row, state), through, input);
+            *next = product(product(R::zero(), row, &self.state), through, &self.input);
         }
         if self.gains.corrected {
             for (next, gain) in next.iter_mut().zip(&self.gains.anti_windup).take(order) {
@@ -131,13 +129,15 @@ impl<R: Real> StateSpace<R> {
             self.state = next;
             return;
         }
-        let mut further = PerMotor::<R>::zero();
-        for (k, (next, now)) in next.iter().zip(state).enumerate() {
-            let step = *next - *now;
-            let gain = |row: &[R; MOST_STATES]| row.get(k).copied().unwrap_or_default();
-            further.main = further.main + gain(&self.gains.c.main) * step;
-            further.tail = further.tail + gain(&self.gains.c.tail) * step;
+        // (Where nothing clips this multiplies by zero: nothing here branches on a number.)
+        let mut step = [R::zero(); MOST_STATES];
+        for ((step, next), now) in step.iter_mut().zip(&next).zip(&self.state) {
+            *step = *next - *now;
         }
+        let further = PerMotor {
+            main: product(R::zero(), &self.gains.c.main, &step),
+            tail: product(R::zero(), &self.gains.c.tail, &step),
+        };
         let worse = (further.main * missing.main + further.tail * missing.tail).lt(R::zero());
         for (now, next) in self.state.iter_mut().zip(next) {
             *now = R::select(worse, *now, next);
