@@ -11,10 +11,9 @@ use crate::files::output::Outputs;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use std::path::PathBuf;
-use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::axes::PerAxis;
 use twinrotor::law::LawSettings;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::Rig;
 use twinrotor::static_reach::StaticReach;
 use twinrotor_plot::flight::flight as flight_figure;
 use twinrotor_plot::moving::moving;
@@ -22,7 +21,6 @@ use twinrotor_sim::error::at_least;
 use twinrotor_sim::flight::{self, BoardState, COLUMNS, Extent, Fidelity, LOG_COLUMNS, Moment, Plan, Scalar};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Report;
-use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::{Disturbance, Scenario};
 use twinrotor_sim::table::Table;
 
@@ -129,8 +127,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let gains = files::gains("--gains", &args.gains)?;
     gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
     gains
-        .require_stable(&named.name, &believed(args, &named))
-        .map_err(|e| Failure::from(e.within(&args.gains)))?;
+        .require_stable_in(args.fidelity.into(), &named.name, &named.rig)
+        .map_err(|error| error.within(&args.gains))?;
     let initial = match &args.initial {
         Some(text) => {
             let [pitch, yaw] = pair("--initial", text)?.map(f64::to_radians);
@@ -199,15 +197,6 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     }
     outputs.done()?;
     flown.stopped().map_or(Ok(()), |why| Err(Failure::Flight(why)))
-}
-
-/// The rig that the controller is checked on: rotors of the paper's world have no lag.
-fn believed(args: &Args, named: &NamedRig) -> Rig {
-    let mut rig = named.rig;
-    if args.fidelity == choices::Fidelity::Ideal {
-        rig.plant.rotor_time_constant = PerMotor::zero();
-    }
-    rig
 }
 
 /// What is read and written.

@@ -21,6 +21,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::flight::Fidelity;
 use crate::gains_file::GainsFile;
 use crate::margins;
 use crate::scenario::SAMPLE_TIME;
@@ -149,6 +150,21 @@ impl GainsFile {
     }
 }
 
+impl GainsFile {
+    /// The same before a flight in one of the two worlds: in the paper's the rotors have no lag.
+    ///
+    /// # Errors
+    ///
+    /// See [`GainsFile::require_stable`].
+    pub fn require_stable_in(&self, fidelity: Fidelity, name: &str, rig: &Rig) -> Outcome<()> {
+        let mut rig = *rig;
+        if fidelity == Fidelity::Ideal {
+            rig.plant.rotor_time_constant = PerMotor::zero();
+        }
+        self.require_stable(name, &rig)
+    }
+}
+
 impl Document {
     fn gains(&self) -> Outcome<StateSpaceGains<f64>> {
         let n = self.a.len();
@@ -158,7 +174,6 @@ impl Document {
         }
         let signals = self.signals()?;
         let order = self.order()?;
-        #[expect(clippy::float_cmp, reason = "a tick is exactly that, and so is what a file says of it")]
         if self.sample_time != SAMPLE_TIME {
             let allowed = "0.001 s, the board's tick: sample the law for it, such as by c2d(sys, 0.001), or \
                            d2d(sys, 0.001) if it is sampled already";

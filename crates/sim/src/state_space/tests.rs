@@ -81,7 +81,7 @@ fn what_may_be_left_out_has_its_meaning() {
 
 #[test]
 fn every_malformed_file_is_refused_in_one_sentence() {
-    let nine = |row: &str| format!("[{}]", vec![row; 9].join(", "));
+    let nine = |row: &str| format!("[{}]", [row; 9].join(", "));
     let cases = [
         (
             GOOD.replace("[[1, 0], [0.5, 0.25]]", &nine("[1]")),

@@ -132,9 +132,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         rotor_lag: named.rig.plant.rotor_time_constant,
         controllers: controllers
             .iter()
-            .map(|(name, controller)| {
-                (name.clone(), design::uses(controller).into_iter().map(str::to_owned).collect())
-            })
+            .map(|(name, controller)| (name.clone(), design::uses(controller)))
             .collect(),
     };
     if let (Some(shard), Some(path)) = (args.shard, &args.out) {
