@@ -34,8 +34,8 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let begun = Instant::now();
-    output::check_folder("--out", &args.out)?;
     let own = args.controllers.iter().map(|name| own(name)).collect::<Outcome<Vec<_>>>()?;
+    output::check_folder("--out", &args.out)?;
     threads::begin(None);
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));

@@ -143,8 +143,8 @@ impl GainsFile {
             return Ok(());
         }
         Err(Error::Unusable(format!(
-            "the sampled loop of this state-space law on {name} is unstable: its slowest pole lies at {:+.3} /s, \
-             where a small error grows; allowed: below 0 /s",
+            "the sampled loop of this state-space law on {name} is unstable: a small error grows at {:.3} /s; \
+             allowed: a loop in which it dies (margins tells its slowest pole)",
             -pole
         )))
     }
