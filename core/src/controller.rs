@@ -154,6 +154,9 @@ impl<R: Real<Mask = bool>> ControllerSettings<R> {
     /// Names the field.
     pub fn validate(&self) -> Result<(), Invalid<R>> {
         self.law.validate()?;
+        if let LawSettings::StateSpace(gains) = &self.law {
+            gains.validate()?;
+        }
         self.estimator.validate()?;
         self.filter.map_or(Ok(()), |filter| filter.validate())?;
         self.allocation.validate()?;

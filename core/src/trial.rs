@@ -118,13 +118,15 @@ impl Candidate {
     }
 }
 
-/// A controller, and what is known of it.
+/// A controller, and what is known of it. In this order: see
+/// [`ControlLoop`](crate::control_loop::ControlLoop).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub(crate) struct Accepted {
-    pub(crate) pipeline: Pipeline<f32>,
-    pub(crate) controller: ControllerSettings<f32>,
     /// \[rad\] Its largest error of late.
     pub(crate) worst: PerAxis<f32>,
+    pub(crate) pipeline: Pipeline<f32>,
+    pub(crate) controller: ControllerSettings<f32>,
 }
 
 impl Accepted {
@@ -141,10 +143,10 @@ fn error(decision: &Decision<f32>) -> PerAxis<f32> {
     decision.reference.minus(decision.estimate.state.angle).map(f32::abs)
 }
 
-/// A trial under way.
+/// A trial under way. The phase comes first: by it every tick knows whether there is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub(crate) struct Trial {
-    candidate: Candidate,
     phase: TrialPhase,
     /// \[ticks\] In this phase.
     ticks: u32,
@@ -152,6 +154,7 @@ pub(crate) struct Trial {
     share: u32,
     /// \[rad\] The error that ends it.
     bound: PerAxis<f32>,
+    candidate: Candidate,
 }
 
 impl Trial {

@@ -246,6 +246,7 @@ pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
         Request::Recall { number } => desk.tuning().recall(number)?,
         Request::Load { gains_toml } => {
             let file = GainsFile::parse("gains", &gains_toml)?;
+            desk.require_stable(&file)?;
             desk.tuning().draw("a gains file", file.controller);
         }
         Request::Export => return told(&desk.tuning().to_toml()),

@@ -52,7 +52,11 @@ impl Design {
     ) -> Outcome<Self> {
         let named = rig::load(preset, read)?;
         let gains = match gains {
-            Some(name) => GainsFile::load(name, read)?,
+            Some(name) => {
+                let gains = GainsFile::load(name, read)?;
+                gains.require_stable(&named.name, &named.rig).map_err(|error| error.within(name))?;
+                gains
+            }
             None => {
                 let controller = defaults::named(&named.name).ok_or_else(|| {
                     Error::invalid("gains", "left out", "a gains file: a rig of your own has none of its own")

@@ -1,6 +1,6 @@
 //! The board's control loop, a rig to fly, and both as the simulated board has them.
 
-use crate::parts::{gains_of, named_rig, word};
+use crate::parts::{named_rig, stable_gains_of, word};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -90,7 +90,7 @@ impl ControlLoop {
         checked: bool,
     ) -> PyResult<Self> {
         let named = named_rig(preset)?;
-        let settings = gains_of(gains, &named)?.settings(&named.rig);
+        let settings = stable_gains_of(gains, &named)?.settings(&named.rig);
         let width = match counter_bits {
             16 => CounterWidth::Bits16,
             24 => CounterWidth::Bits24,
@@ -303,7 +303,7 @@ impl SimulatedBoard {
     #[new]
     fn new(preset: &str, gains: Option<&str>, checked: bool) -> PyResult<Self> {
         let named = named_rig(preset)?;
-        let settings = gains_of(gains, &named)?.settings(&named.rig);
+        let settings = stable_gains_of(gains, &named)?.settings(&named.rig);
         let parameters = Parameters { checked, ..Parameters::new(&named.rig, &settings) };
         let mut store = Store::new(RamFlash::default(), 0);
         parameters::save(&mut store, &parameters, &mut [0; SLOT_SIZE])

@@ -1,7 +1,7 @@
 //! Controllers on plants that they were not tuned for, all at once or chunk by chunk on any number of
 //! machines.
 
-use crate::parts::{gains_of, json, named_rig, raised, within};
+use crate::parts::{json, named_rig, raised, stable_gains_of, within};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -36,7 +36,7 @@ impl Compared {
             .with_toml(&rig::to_toml(&named.rig));
         let mut settings = Vec::new();
         for (name, gains) in controllers {
-            let gains = gains_of(gains.as_deref(), &named)?;
+            let gains = stable_gains_of(gains.as_deref(), &named)?;
             identity = identity.with(name, gains.to_toml());
             settings.push((name.clone(), gains.controller));
         }

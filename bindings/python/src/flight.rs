@@ -42,13 +42,15 @@ pub(crate) fn simulate<'py>(
     true_rig: Option<&str>,
 ) -> PyResult<Told<'py>> {
     let named = named_rig(preset)?;
-    let settings = gains_of(gains, &named)?.settings(&named.rig);
+    let gains = gains_of(gains, &named)?;
+    let settings = gains.settings(&named.rig);
     let mut scenario = scenario_of(scenario)?;
     if let Some(duration) = duration {
         scenario.duration = duration;
     }
     scenario.validate().map_err(|error| raised(&error))?;
     let (fidelity, scalar) = (word("fidelity", fidelity, &FIDELITIES)?, word("scalar", scalar, &SCALARS)?);
+    gains.require_stable_in(fidelity, &named.name, &named.rig).map_err(|error| raised(&error))?;
     if let (Fidelity::Ideal, Some(what)) = (fidelity, scenario.of_the_rigs_world()) {
         return Err(raised(&Error::invalid("fidelity", "ideal", format!("rig: the scenario has {what}"))));
     }

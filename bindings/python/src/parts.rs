@@ -65,6 +65,13 @@ pub(crate) fn gains_of(gains: Option<&str>, rig: &NamedRig) -> PyResult<GainsFil
     loaded.map_err(|error| raised(&error))
 }
 
+/// The same, to be flown: refused where it is a law of matrices whose loop on `rig` is unstable.
+pub(crate) fn stable_gains_of(gains: Option<&str>, rig: &NamedRig) -> PyResult<GainsFile> {
+    let loaded = gains_of(gains, rig)?;
+    loaded.require_stable(&rig.name, &rig.rig).map_err(|error| raised(&error))?;
+    Ok(loaded)
+}
+
 pub(crate) fn scenario_of(scenario: &str) -> PyResult<Scenario> {
     let loaded = if is_written_out(scenario) {
         Scenario::parse("the scenario", scenario)

@@ -6,6 +6,7 @@ mod integrator;
 mod pid;
 mod registry;
 mod state_feedback;
+mod state_space;
 mod super_twisting;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ pub use backstepping::{Backstepping, Errors};
 pub use integral_backstepping::{IntegralBackstepping, IntegralGains};
 pub use pid::{Pid, PidGains};
 pub use state_feedback::{MotorGains, StateFeedback, StateFeedbackGains};
+pub use state_space::{MOST_INPUTS, MOST_STATES, Signal, StateSpace, StateSpaceGains};
 pub use super_twisting::{SuperTwisting, SuperTwistingGains};
 
 use crate::allocation::Allocation;
@@ -112,4 +114,6 @@ laws! {
     "state-feedback" StateFeedback(StateFeedbackGains<R>);
     /// Second-order sliding mode.
     "super-twisting" SuperTwisting(PerAxis<SuperTwistingGains<R>>);
+    /// Matrices that were designed elsewhere.
+    "state-space" StateSpace(StateSpaceGains<R>);
 }

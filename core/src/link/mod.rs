@@ -49,7 +49,7 @@ use serde::{Deserialize, Serialize};
 /// \[baud\] Of the serial line between host and board: 8 data bits, no parity, 1 stop bit.
 pub const BAUD: u32 = 1_000_000;
 /// Version of the messages, the first byte of each.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 /// \[byte\] The most that a frame of telemetry takes on the wire.
 pub const MAX_TELEMETRY: u32 = 90;
 

@@ -6,7 +6,7 @@ use crate::command_filter::FilterSettings;
 use crate::controller::ControllerSettings;
 use crate::estimator::{EstimatorSettings, ObserverGains};
 use crate::gains;
-use crate::law::{LawSettings, StateFeedbackGains};
+use crate::law::{LawSettings, StateSpaceGains};
 use crate::lead::Lead;
 use crate::parameters::LostLink;
 use crate::pipeline::Settings;
@@ -174,19 +174,12 @@ fn another_version_is_named() {
 #[test]
 fn the_longest_record_and_the_longest_trial_fit() {
     let axes = PerAxis::both(1.2345);
-    let motors = PerMotor::both(axes);
     let mut longest = parameters();
     let settings = &mut longest.settings;
     settings.current_limit =
         Some(CurrentLimitSettings { resistance: 1.0, back_emf: 1.0, peak: 1.0, continuous: 1.0 });
     settings.controller = ControllerSettings {
-        law: LawSettings::StateFeedback(StateFeedbackGains {
-            angle: motors,
-            rate: motors,
-            integral: motors,
-            integral_limit: 1.0,
-            feed_forward: true,
-        }),
+        law: LawSettings::StateSpace(StateSpaceGains { states: 8, inputs: 4, ..StateSpaceGains::none() }),
         estimator: EstimatorSettings::Observer {
             gains: PerAxis::both(ObserverGains { angle: 1.0, rate: 1.0, disturbance: 1.0 }),
         },

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// \[byte\] The longest message, unframed.
-pub const MAX_MESSAGE: usize = 512;
+pub const MAX_MESSAGE: usize = 1024;
 /// \[byte\] The longest frame: COBS adds a byte in 254 and one more, then the zero.
 pub const MAX_FRAME: usize = MAX_MESSAGE + MAX_MESSAGE / 254 + 3;
 

@@ -18,18 +18,23 @@ use crate::reference::Reference;
 use crate::rotor_model::RotorModel;
 
 /// A controller at work.
+///
+/// In this order: what every tick looks at stands before the law, which may have matrices behind what the
+/// others have. A floating-point load of a Cortex-M4 reaches 1,020 bytes from one register
+/// ([`ControlLoop`](crate::control_loop::ControlLoop)).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Pipeline<R> {
-    model: RigidBody<R>,
-    /// Where anything needs to know which volts are in effect.
-    rotors: Option<RotorModel<R>>,
-    estimator: Estimator<R>,
     reference: Option<(Governor<R>, CommandFilter<R>)>,
-    law: Law<R>,
     cancellation: Option<PerAxis<R>>,
     lead: Option<Lead<R>>,
     current_limit: Option<CurrentLimit<R>>,
+    estimator: Estimator<R>,
     allocator: Allocator<R>,
+    /// Where anything needs to know which volts are in effect.
+    rotors: Option<RotorModel<R>>,
+    model: RigidBody<R>,
+    law: Law<R>,
 }
 
 /// What one tick came to.
@@ -217,6 +222,11 @@ impl<R: Real> Pipeline<R> {
     /// \[N m\] What of the torque asked for `allocation` does not give.
     pub fn unallocated_torque(&self, allocation: &Allocation<R>) -> PerAxis<R> {
         self.allocator.unallocated_torque(allocation)
+    }
+
+    /// The law, at work.
+    pub fn law(&self) -> &Law<R> {
+        &self.law
     }
 
     /// \[V\] The limits in force.

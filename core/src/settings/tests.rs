@@ -94,9 +94,11 @@ fn validation_keeps_the_tables_ranges() {
 }
 
 /// A gains file holds these names: a controller and the table speak of the same numbers in the same order.
+/// (But for matrices, whose numbers mean nothing alone.)
 #[test]
 fn a_map_meets_as_many_numbers_as_a_visit() {
-    for controller in controllers() {
+    let is_table = |c: &ControllerSettings<f64>| !matches!(c.law, LawSettings::StateSpace(_));
+    for controller in controllers().into_iter().filter(is_table) {
         let (mut mapped, mut visited) = (Vec::new(), Vec::new());
         let _ = controller.map(|value| mapped.push(value));
         controller.visit(|field, value| {

@@ -12,7 +12,7 @@ import struct
 import sys
 import zlib
 
-MESSAGES_VERSION, RECORD_VERSION = 5, 7
+MESSAGES_VERSION, RECORD_VERSION = 6, 7
 # Of the boot that messages are meant for.
 NONCE = 0x89AB_CDEF
 
@@ -139,6 +139,8 @@ def choices():
     yield "law-pid", whole(2) + numbers(6)
     yield "law-state-feedback", whole(3) + numbers(13) + b"\x01"
     yield "law-super-twisting", whole(4) + numbers(8)
+    signals = whole(4) + whole(5) + whole(10) + whole(11)
+    yield "law-state-space", whole(5) + whole(8) + whole(4) + signals + b"\x01\x01" + numbers(138)
     yield "estimator-filtered-derivative", whole(0) + numbers(2)
     yield "estimator-luenberger", whole(1) + numbers(2)
     yield "estimator-extended-state", whole(2) + numbers(2)

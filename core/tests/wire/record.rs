@@ -10,7 +10,8 @@ use twinrotor::estimator::{EstimatorSettings, ObserverGains};
 use twinrotor::first_power::Push;
 use twinrotor::gains::AxisGains;
 use twinrotor::law::{
-    IntegralGains, LawSettings, MotorGains, PidGains, StateFeedbackGains, SuperTwistingGains,
+    IntegralGains, LawSettings, MotorGains, PidGains, Signal, StateFeedbackGains, StateSpaceGains,
+    SuperTwistingGains,
 };
 use twinrotor::lead::Lead;
 use twinrotor::parameters::ram_flash::RamFlash;
@@ -143,6 +144,20 @@ fn every_choice_is_its_literal() {
         integral: n(),
         width: n(),
     });
+    let each = |n: Next<'_>| std::array::from_fn(|_| n());
+    let matrices = |n: Next<'_>| StateSpaceGains {
+        states: 8,
+        inputs: 4,
+        signals: [Signal::AnglePitch, Signal::AngleYaw, Signal::ReferenceRatePitch, Signal::ReferenceRateYaw],
+        feed_forward: true,
+        corrected: true,
+        saturation: motors(n),
+        c: PerMotor { main: std::array::from_fn(|_| n()), tail: std::array::from_fn(|_| n()) },
+        d: PerMotor { main: each(n), tail: each(n) },
+        a: std::array::from_fn(|_| std::array::from_fn(|_| n())),
+        b: std::array::from_fn(|_| each(n)),
+        anti_windup: std::array::from_fn(|_| motors(n)),
+    };
     let observer = each_axis(&mut n(), |n| ObserverGains { angle: n(), rate: n(), disturbance: n() });
     let bandwidth = axes(&mut n());
     compare(
@@ -153,6 +168,7 @@ fn every_choice_is_its_literal() {
             ("law-pid", law(LawSettings::Pid(pid))),
             ("law-state-feedback", law(LawSettings::StateFeedback(feedback(&mut n())))),
             ("law-super-twisting", law(LawSettings::SuperTwisting(twisting))),
+            ("law-state-space", law(LawSettings::StateSpace(matrices(&mut n())))),
             ("estimator-filtered-derivative", estimator(EstimatorSettings::FilteredDerivative { bandwidth })),
             ("estimator-luenberger", estimator(EstimatorSettings::Luenberger { bandwidth })),
             ("estimator-extended-state", estimator(EstimatorSettings::ExtendedState { bandwidth })),

@@ -15,6 +15,7 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 
 use crate::scenario::SAMPLE_TIME;
+use crate::state_space;
 
 /// A gains file: a controller, its numbers, and where they came from.
 ///
@@ -55,8 +56,12 @@ impl TryFrom<Document> for GainsFile {
     type Error = String;
 
     fn try_from(document: Document) -> Result<Self, String> {
-        let named = toml::Table::from_iter([(document.controller, toml::Value::Table(document.law))]);
-        let law = LawSettings::deserialize(toml::Value::Table(named)).map_err(|e| e.message().to_owned())?;
+        let law = if document.controller == state_space::NAME {
+            LawSettings::StateSpace(state_space::read(document.law)?)
+        } else {
+            let named = toml::Table::from_iter([(document.controller, toml::Value::Table(document.law))]);
+            LawSettings::deserialize(toml::Value::Table(named)).map_err(|e| e.message().to_owned())?
+        };
         let paper = ControllerSettings::paper(gains::PAPER);
         let controller = ControllerSettings {
             law,
@@ -74,9 +79,18 @@ impl From<GainsFile> for Document {
     fn from(file: GainsFile) -> Self {
         let ControllerSettings { law, estimator, filter, allocation, lead, cancellation } = file.controller;
         let paper = ControllerSettings::paper(gains::PAPER);
-        let named = toml::Table::try_from(law).expect("gains are made of tables and numbers");
-        let (controller, law) = named.into_iter().next().expect("a law has a name");
-        let toml::Value::Table(law) = law else { unreachable!("a law's gains are a table") };
+        let tables = |law: &LawSettings<f64>| {
+            let named = toml::Table::try_from(law).expect("gains are made of tables and numbers");
+            match named.into_iter().next() {
+                Some((_, toml::Value::Table(law))) => law,
+                _ => unreachable!("a law's gains are a table under its name"),
+            }
+        };
+        let controller = law.kind().to_owned();
+        let law = match &law {
+            LawSettings::StateSpace(gains) => state_space::write(gains),
+            law => tables(law),
+        };
         Self {
             controller,
             allocation: (allocation != paper.allocation).then_some(allocation),

@@ -38,6 +38,8 @@ pub mod rig;
 #[cfg(feature = "std")]
 pub mod scenario;
 #[cfg(feature = "std")]
+pub mod state_space;
+#[cfg(feature = "std")]
 pub mod table;
 #[cfg(feature = "std")]
 pub mod toml;

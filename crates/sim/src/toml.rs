@@ -17,7 +17,9 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Outcome<T> {
     let value = toml::from_str(text).map_err(refused)?;
     // What is read as a pair takes the first two numbers of a longer list, and says nothing of the rest.
     let table: toml::Table = toml::from_str(text).map_err(refused)?;
-    table.iter().try_for_each(|(key, value)| check_lists(key, value)).map_err(|e| e.within(name))?;
+    // (Matrices are as large as what stands beside them says.)
+    let mut lists = table.iter().filter(|(key, _)| *key != crate::state_space::NAME);
+    lists.try_for_each(|(key, value)| check_lists(key, value)).map_err(|e| e.within(name))?;
     Ok(value)
 }
 

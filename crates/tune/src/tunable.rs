@@ -24,7 +24,7 @@ impl Tunable {
     ///
     /// # Errors
     ///
-    /// If the controller has no parameter that begins with one of `chosen`.
+    /// If the controller has no parameter that begins with one of `chosen`, or none at all.
     pub fn new(controller: &ControllerSettings<f64>, chosen: &[String]) -> Outcome<Self> {
         let mut all = Vec::new();
         controller.visit(|field, value| {
@@ -44,7 +44,12 @@ impl Tunable {
             [] => !(belongs(name, "filter.reach") || given && belongs(name, "estimator")),
             _ => chosen.iter().any(|c| belongs(name, c)),
         };
-        let (fields, start) = all.into_iter().filter(|(field, x)| *x != 0.0 && wanted(field.name)).unzip();
+        let (fields, start): (Vec<_>, _) =
+            all.into_iter().filter(|(field, x)| *x != 0.0 && wanted(field.name)).unzip();
+        if fields.is_empty() {
+            let why = "one with a number that can be searched, which matrices have not";
+            return Err(Error::invalid("controller", controller.law.kind(), why));
+        }
         Ok(Self { template: *controller, fields, start })
     }
 
@@ -85,6 +90,7 @@ mod tests {
     use twinrotor::axes::PerAxis;
     use twinrotor::command_filter::FilterSettings;
     use twinrotor::gains;
+    use twinrotor::law::{LawSettings, StateSpaceGains};
 
     fn filtered() -> ControllerSettings<f64> {
         let filter = Some(FilterSettings {
@@ -114,6 +120,18 @@ mod tests {
         let moved = all.controller(&[2.0_f64.ln(), 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert!((moved.filter.unwrap().bandwidth.pitch - 24.0).abs() < 1e-12);
         assert_eq!(moved.law, filtered().law);
+    }
+
+    /// What stands around matrices can be tuned; they themselves are what they were designed to be.
+    #[test]
+    fn matrices_are_not_searched() {
+        let law = LawSettings::StateSpace(StateSpaceGains::none());
+        let filtered = Tunable::new(&ControllerSettings { law, ..filtered() }, &[]).unwrap();
+        assert_eq!(filtered.names(), ["filter.bandwidth.pitch", "filter.bandwidth.yaw"]);
+        assert_eq!(filtered.controller(&[1.0, 1.0]).law, law);
+        let alone = ControllerSettings { law, ..ControllerSettings::paper(gains::PAPER) };
+        let told = Tunable::new(&alone, &[]).unwrap_err().to_string();
+        assert!(told.starts_with("controller is state-space; allowed: one with a number"), "{told}");
     }
 
     #[test]

@@ -11,6 +11,8 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 use std::vec::Vec;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::law::LawSettings;
+use twinrotor::pipeline::Settings;
 use twinrotor_sim::device::{Batch, Device, Draw, Integrals, Integrated};
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::judged::Flown;
@@ -176,9 +178,15 @@ impl<D: Driver> Card<D> {
 
 impl<D: Driver> Device for Card<D> {
     fn fly(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Flown>> {
+        let flies = |settings: &Settings<f32>| !matches!(settings.controller.law, LawSettings::StateSpace(_));
+        let work = if batch.controllers.iter().all(flies) {
+            Work::of_batch(batch)
+        } else {
+            Err(unsaid("its kernels fly no state-space law"))
+        };
         let usual = batch.controllers.iter().all(|controller| usual(*controller).is_some());
         let name = if usual { "robust_usual" } else { "robust_any" };
-        self.run(&Kernel { name, read: robust::from_words }, Work::of_batch(batch), stop)
+        self.run(&Kernel { name, read: robust::from_words }, work, stop)
     }
 
     fn integrals(&self, work: &Integrals<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Integrated>> {

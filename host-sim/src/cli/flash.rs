@@ -59,6 +59,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let gains = files::gains("GAINS", &args.gains)?;
     let mut named = files::rig(preset(args, &gains)?)?;
     named.rig.board = args.board;
+    gains.require_stable(&named.name, &named.rig).map_err(|error| error.within(&args.gains))?;
     let mut parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.checked = args.checked;
     let image = image::image(&parameters)?;

@@ -2,12 +2,15 @@
 
 use super::{print, print_json};
 use crate::error::Outcome;
+use crate::files;
 use crate::files::output::{self, Outputs};
 use crate::report::{Report, Size};
 use crate::threads;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use twinrotor::controller::ControllerSettings;
+use twinrotor::plant::presets::PAPER;
 
 /// Flags of `reproduce`.
 #[derive(Debug, clap::Args)]
@@ -15,6 +18,9 @@ pub(super) struct Args {
     /// Folder for index.html, report.json and the CSV files; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "report", help_heading = "Output")]
     out: PathBuf,
+    /// Gains files of controllers of your own, for the paper's preset: a row each in Table 6, in no verdict
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    controllers: Vec<String>,
     /// Few seeds, plants and evaluations: a first look in a second or two, which leaves verdicts undecided
     #[arg(long)]
     quick: bool,
@@ -28,13 +34,17 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let begun = Instant::now();
+    let own = args.controllers.iter().map(|name| own(name)).collect::<Outcome<Vec<_>>>()?;
     output::check_folder("--out", &args.out)?;
     threads::begin(None);
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
     let size = if args.quick { Size::QUICK } else { Size::FULL };
-    let report = Report::compute(size, args.seed, &|doing| bar.set_message(doing.to_owned()))?;
+    let report = Report::compute(size, args.seed, &own, &|doing| bar.set_message(doing.to_owned()))?;
     let mut outputs = Outputs::new();
+    for name in &args.controllers {
+        outputs.reads("--controllers", name);
+    }
     report.write(&args.out, &mut outputs)?;
     bar.finish_and_clear();
     if args.json {
@@ -49,4 +59,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         args.out.join("index.html").display()
     ))?;
     outputs.done()
+}
+
+/// A controller to stand in the report's table, whose loop holds where it is one of matrices.
+fn own(name: &str) -> Outcome<(String, ControllerSettings<f64>)> {
+    let gains = files::gains("--controllers", name)?;
+    gains.require_stable("paper", &PAPER).map_err(|error| error.within(name))?;
+    Ok((name.to_owned(), gains.controller))
 }

@@ -126,6 +126,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     refuse_in_ideal_world(&scenario, args.fidelity.into())?;
     let gains = files::gains("--gains", &args.gains)?;
     gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
+    gains
+        .require_stable_in(args.fidelity.into(), &named.name, &named.rig)
+        .map_err(|error| error.within(&args.gains))?;
     let initial = match &args.initial {
         Some(text) => {
             let [pitch, yaw] = pair("--initial", text)?.map(f64::to_radians);

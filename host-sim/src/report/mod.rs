@@ -14,6 +14,7 @@ pub use grid::Grid;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
+use twinrotor::controller::ControllerSettings;
 use twinrotor_plot::Figure;
 
 /// How a statement of the paper stands.
@@ -153,12 +154,17 @@ pub struct Report {
 }
 
 impl Report {
-    /// Computes all of it. `seen` is told what comes next.
+    /// Computes all of it, with controllers of one's `own` as rows of Table 6. `seen` is told what comes next.
     ///
     /// # Errors
     ///
     /// If a flight or a search cannot be done.
-    pub fn compute(size: Size, seed: u64, seen: &dyn Fn(&str)) -> Outcome<Self> {
+    pub fn compute(
+        size: Size,
+        seed: u64,
+        own: &[(String, ControllerSettings<f64>)],
+        seen: &dyn Fn(&str),
+    ) -> Outcome<Self> {
         let mut sections = Vec::new();
         seen("searching with every method");
         let searches = search::searches(size, seed)?;
@@ -170,7 +176,7 @@ impl Report {
         seen("responses");
         sections.extend(responses::step()?);
         seen("tuning the rivals");
-        sections.push(tables::table_6(size, seed)?);
+        sections.push(tables::table_6(size, seed, own)?);
         sections.extend(responses::scenarios(seed)?);
         seen("claims");
         sections.push(claims::claims(&searches, seed)?);

@@ -111,7 +111,7 @@ pub(super) fn table_4(searches: &Searches) -> Outcome<Section> {
 
 /// A controller of Table 6.
 struct Rival {
-    name: &'static str,
+    name: String,
     /// The paper's words: saturation handling, disturbance robustness, tracking.
     words: &'static str,
     /// On the plants that none was tuned on, for each tuning.
@@ -175,25 +175,29 @@ fn best(rivals: &[Rival], measure: Measure) -> Vec<Vec<Score>> {
 }
 
 /// Table 6, measured: every controller tuned in the same way on the same plants and tested on others.
-pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
+pub(super) fn table_6(size: Size, seed: u64, own: &[(String, ControllerSettings<f64>)]) -> Outcome<Section> {
     let named = NamedRig { name: "paper".to_owned(), rig: PAPER };
     let allowance = robust::allowance(&named.name, &named.rig);
     let unseen = Trial::new(&PAPER, size.plants, seed.wrapping_add(robust::UNSEEN), allowance);
-    let fixed = |name, words, controller: &ControllerSettings<f64>| Rival {
-        name,
+    let fixed = |name: &str, words, controller: &ControllerSettings<f64>| Rival {
+        name: name.to_owned(),
         words,
         scores: vec![unseen.scores(controller)],
     };
-    let rival = |name, words, design| {
+    let rival = |name: &str, words, design| {
         let once = |k| {
             let seed = seed.wrapping_add(k);
             let training = Trial::new(&PAPER, 16, seed, allowance);
             tuned(design, size, &training, seed).map(|controller| unseen.scores(&controller))
         };
-        Outcome::Ok(Rival { name, words, scores: (0..size.tunings).map(once).collect::<Outcome<_>>()? })
+        Outcome::Ok(Rival {
+            name: name.to_owned(),
+            words,
+            scores: (0..size.tunings).map(once).collect::<Outcome<_>>()?,
+        })
     };
     let (ours, theirs) = ("yes, high, excellent", "no, medium, good");
-    let list = [
+    let list = vec![
         fixed("Proposed: backstepping + FPA, Table 4", ours, &GainsFile::paper().controller),
         rival("Proposed: backstepping + FPA, tuned here", ours, "backstepping")?,
         rival("PID, tuned here", "no, low, medium", "pid")?,
@@ -228,6 +232,8 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
         Verdict::NotReproduced,
         "nothing in eqs (26)-(29) knows of the limit",
     ));
+    let own = own.iter().map(|(name, controller)| fixed(name, "yours, in no verdict", controller));
+    let shown: Vec<Rival> = list.into_iter().chain(own).collect();
     Ok(Section {
         title: "Table 6: comparison, measured".to_owned(),
         text: format!(
@@ -238,7 +244,7 @@ pub(super) fn table_6(size: Size, seed: u64) -> Outcome<Section> {
             size.plants, size.tuning, size.tunings
         ),
         entries,
-        measured: Some(measured(&list)),
+        measured: Some(measured(&shown)),
         ..Section::default()
     })
 }
@@ -252,7 +258,7 @@ fn measured(list: &[Rival]) -> Grid {
         let pushed = of_both(&all, 0.5, |s| s.disturbance_rms_deg);
         let beyond: Vec<f64> = all.iter().map(|s| s.saturation_time).collect();
         vec![
-            rival.name.to_owned(),
+            rival.name.clone(),
             rival.words.to_owned(),
             format!("{:.2}", total(&all)),
             format!("{:.2} / {:.2}", settled.pitch, settled.yaw),

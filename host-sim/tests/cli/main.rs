@@ -7,6 +7,7 @@ mod lies;
 mod logs;
 mod manual;
 mod map;
+mod matrices;
 mod panics;
 mod robust;
 mod searches;

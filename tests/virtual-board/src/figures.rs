@@ -113,7 +113,7 @@ impl Figures {
         // part of each tick and frame came later.
         let budget = [
             ("loadable_bytes", self.loadable_bytes, 192 << 10),
-            ("static_ram_bytes", self.static_ram_bytes, 16 << 10),
+            ("static_ram_bytes", self.static_ram_bytes, 26 << 10),
             ("tick_instructions_median", papers.tick_median, 800),
             ("tick_instructions_max", papers.tick_max, 1_850),
             ("rig_tick_instructions_median", rigs.tick_median, 1_500),

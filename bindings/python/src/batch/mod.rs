@@ -7,7 +7,7 @@ mod task;
 mod volts;
 mod world;
 
-use crate::parts::{gains_of, named_rig, raised, within, word};
+use crate::parts::{stable_gains_of, named_rig, raised, within, word};
 use crew::Crew;
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
@@ -66,7 +66,7 @@ impl Batch {
         let named = named_rig(preset)?;
         let count = within("count", count, 1, 1_000_000)?;
         let kind = if word("action", action, &[("volts", false), ("setpoint", true)])? {
-            let controller = gains_of(gains, &named)?.controller;
+            let controller = stable_gains_of(gains, &named)?.controller;
             let settings = Settings::new(&named.rig, controller, SAMPLE_TIME).map(f32::from_f64);
             Kind::Setpoint { believed: named.rig, settings, supervised }
         } else {

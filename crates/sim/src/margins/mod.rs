@@ -10,6 +10,7 @@ use crate::scenario::SAMPLE_TIME;
 use serde::Serialize;
 use std::collections::VecDeque;
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::law::{Law, LawSettings};
 use twinrotor::pipeline::{Pipeline, Settings};
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{Effectiveness, RealPlant, State};
@@ -29,6 +30,8 @@ const UNLIMITED: f64 = 1e9;
 const OFFSET: f64 = 1e-4;
 /// \[s\] A stretch over which the largest error is taken: longer than half a period of what swings slowest.
 const STRETCH: f64 = 3.0;
+/// \[1/s\] At which what is inside a law may seem to grow and yet stand still.
+const STANDING: f64 = 1e-6;
 /// How many of them are flown.
 const STRETCHES: usize = 8;
 
@@ -64,9 +67,7 @@ const NONE: Change = Change { thrust: 1.0, lag: 1.0, inertia: 1.0, delay: 0 };
 impl Margins {
     /// Of the controller of `settings` on `rig`.
     pub fn of(rig: &Rig, settings: &Settings<f64>) -> Self {
-        let rig = linear(rig);
-        let volts_limit = PerMotor::both(UNLIMITED);
-        let settings = Settings { model: rig.plant, current_limit: None, volts_limit, ..*settings };
+        let (rig, settings) = linear(rig, settings);
         let dies = |change: Change| rate(&rig, &settings, change) > 0.0;
         let edges = |change: fn(f64) -> Change| {
             FARTHEST.map(|farthest| edge(farthest, |factor| dies(change(factor))))
@@ -82,8 +83,14 @@ impl Margins {
     }
 }
 
-/// The rig as the linearised loop has it.
-fn linear(rig: &Rig) -> Rig {
+/// \[1/s\] [`Margins::slowest_pole`] alone.
+pub fn slowest_pole(rig: &Rig, settings: &Settings<f64>) -> f64 {
+    let (rig, settings) = linear(rig, settings);
+    rate(&rig, &settings, NONE)
+}
+
+/// The rig as the linearised loop has it, and a controller that believes so and is limited by nothing.
+fn linear(rig: &Rig, settings: &Settings<f64>) -> (Rig, Settings<f64>) {
     let mut plant = rig.plant;
     let square = plant.mass * plant.center_of_mass * plant.center_of_mass;
     plant.inertia = plant.inertia.map(|inertia| inertia + square);
@@ -91,7 +98,12 @@ fn linear(rig: &Rig) -> Rig {
     plant.effectiveness = rig.plant.effectiveness_at(rig.nominal_volts);
     plant.quadratic_effectiveness = Effectiveness::zero();
     plant.coulomb_friction = PerAxis::zero();
-    Rig { plant, ..*rig }
+    let volts_limit = PerMotor::both(UNLIMITED);
+    let mut settings = Settings { model: plant, current_limit: None, volts_limit, ..*settings };
+    if let LawSettings::StateSpace(gains) = &mut settings.controller.law {
+        gains.saturation = volts_limit;
+    }
+    (Rig { plant, ..*rig }, settings)
 }
 
 /// \[1/s\] At which a small error dies in the last stretches; negative where it grows.
@@ -105,9 +117,9 @@ fn rate(rig: &Rig, settings: &Settings<f64>, change: Change) -> f64 {
     let mut pipeline = Pipeline::new(settings, start);
     let mut under_way: VecDeque<PerMotor<f64>> = (0..change.delay).map(|_| PerMotor::zero()).collect();
     let mut volts = PerMotor::zero();
-    let mut peaks = [0.0_f64; STRETCHES];
+    let (mut peaks, mut inside) = ([0.0_f64; STRETCHES], [0.0_f64; STRETCHES]);
     let ticks = twinrotor::trajectory::ticks(STRETCH, SAMPLE_TIME);
-    for peak in &mut peaks {
+    for (peak, inside) in peaks.iter_mut().zip(&mut inside) {
         for _ in 0..ticks {
             let angle = plant.state().angle;
             let decision = pipeline.tick(angle, volts, &Reference::default());
@@ -116,15 +128,21 @@ fn rate(rig: &Rig, settings: &Settings<f64>, change: Change) -> f64 {
             plant.advance(late, PerMotor::zero());
             volts = decision.allocation.volts;
             *peak = peak.max(angle.pitch.abs()).max(angle.yaw.abs());
+            if let Law::StateSpace(law) = pipeline.law() {
+                *inside = law.state().iter().fold(*inside, |most, x| most.max(x.abs()));
+            }
         }
         // It has shown what it does: far gone, or as near to rest as rounding allows.
         if peak.is_nan() || *peak >= 1e3 * OFFSET {
             return -(*peak / OFFSET).ln() / STRETCH;
         }
     }
-    let [.., before, last] = peaks;
-    let (first, last) = (before.max(f64::MIN_POSITIVE), last.max(f64::MIN_POSITIVE));
-    (first / last).ln() / STRETCH
+    let dying = |[.., before, last]: [f64; STRETCHES]| {
+        (before.max(f64::MIN_POSITIVE) / last.max(f64::MIN_POSITIVE)).ln() / STRETCH
+    };
+    // A law's state may grow where no angle shows it, until it is no number.
+    let hidden = dying(inside);
+    if hidden < -STANDING { hidden } else { dying(peaks) }
 }
 
 /// Where between 1 and `farthest` the loop stops being stable; none if it does not.

@@ -196,9 +196,13 @@ fn cancelling(rig: &Rig) -> ControllerSettings<f64> {
 }
 
 /// What a controller has beyond its law, in words.
-pub fn uses(controller: &ControllerSettings<f64>) -> Vec<&'static str> {
+pub fn uses(controller: &ControllerSettings<f64>) -> Vec<String> {
     let ControllerSettings { law, estimator, filter, allocation, lead, cancellation } = controller;
     let integrates = Law::integrates(law);
+    let matrices = match law {
+        LawSettings::StateSpace(gains) => Some(gains.states),
+        _ => None,
+    };
     let mut list = vec![match estimator {
         EstimatorSettings::FilteredDerivative { .. } => "filtered derivative",
         EstimatorSettings::Luenberger { .. } => "Luenberger observer",
@@ -214,7 +218,8 @@ pub fn uses(controller: &ControllerSettings<f64>) -> Vec<&'static str> {
     });
     list.extend(lead.map(|_| "lead"));
     list.extend(cancellation.map(|_| "disturbance cancellation"));
-    list
+    let matrices = matrices.map(|states| format!("matrices of {states} states"));
+    matrices.into_iter().chain(list.into_iter().map(str::to_owned)).collect()
 }
 
 #[cfg(test)]

@@ -132,9 +132,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         rotor_lag: named.rig.plant.rotor_time_constant,
         controllers: controllers
             .iter()
-            .map(|(name, controller)| {
-                (name.clone(), design::uses(controller).into_iter().map(str::to_owned).collect())
-            })
+            .map(|(name, controller)| (name.clone(), design::uses(controller)))
             .collect(),
     };
     if let (Some(shard), Some(path)) = (args.shard, &args.out) {
@@ -262,8 +260,12 @@ fn file_stem(named: &NamedRig) -> String {
 /// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as
 /// it was designed and is marked so.
 fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, ControllerSettings<f64>)>> {
-    let load =
-        |path: &Path| Ok::<_, Failure>(files::gains("--gains", &path.display().to_string())?.controller);
+    let load = |path: &Path| {
+        let name = path.display().to_string();
+        let file = files::gains("--gains", &name)?;
+        file.require_stable(&named.name, &named.rig).map_err(|error| error.within(&name))?;
+        Ok::<_, Failure>(file.controller)
+    };
     let tuned_or_designed = |path: &Path, shown: &str, design: &str| {
         if path.exists() {
             return Ok((shown.to_owned(), load(path)?));

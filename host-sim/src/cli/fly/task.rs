@@ -52,6 +52,7 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
             (format!("{}'s own", args.preset), GainsFile { controller, provenance: None })
         }
     };
+    gains.require_stable(&named.name, &named.rig).map_err(|error| error.within(&gains_name))?;
     let parameters = Parameters::new(&named.rig, &gains.settings(&named.rig));
     parameters.validate().map_err(image::unusable)?;
     let mut scenario = files::scenario_to_inject(&args.scenario)?;
@@ -81,7 +82,12 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
     }
     refuse_out_of_range(&scenario, &parameters)?;
     notes.extend(cannot_hold(&gains.settings(&named.rig), &scenario));
-    let trial = args.trial.as_ref().map(|name| files::gains("--trial", name)).transpose()?;
+    let trial = |name: &String| -> Outcome<GainsFile> {
+        let gains = files::gains("--trial", name)?;
+        gains.require_stable(&named.name, &named.rig).map_err(|error| error.within(name))?;
+        Ok(gains)
+    };
+    let trial = args.trial.as_ref().map(trial).transpose()?;
     if trial.is_some() && scenario.duration > LONGEST_TRIAL {
         return Err(Failure::Input(format!(
             "--scenario {} lasts {} s; allowed: at most {LONGEST_TRIAL} s with --trial, which a board ends \

@@ -12,6 +12,7 @@ mod recorded;
 mod replay;
 mod resets;
 mod simulated;
+mod state_space;
 mod timing;
 mod trials;
 
