@@ -3,10 +3,10 @@
 //! Two things do that, and both are seen to. Neither lets an encoder that stands still pass.
 //!
 //! - Rotors up to [`LATE`] times as slow as believed: until their thrust is there, the nose falls by its
-//!   weight, and a swing goes on that they were to catch. What such rotors would have pushed less by counts as
-//!   explained while the rate is against the push.
-//! - A weight that is hung on or taken off: in pitch more than a disturbance by volts. It is allowed for while
-//!   the rate is against the push, and while the nose is where that has brought it.
+//!   weight, and a swing goes on that they were to catch. What such rotors would have pushed less by counts
+//!   as explained while the rate is against the push.
+//! - A weight that is hung on or taken off: in pitch more than a disturbance by volts. It is allowed for
+//!   while the rate is against the push, and while the nose is where that has brought it.
 //!
 //! ```text
 //! slow  <- torque + slow_decay (slow - torque)

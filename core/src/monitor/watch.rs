@@ -51,7 +51,8 @@ impl<R: Real<Scalar = f32>> Watch<R> {
 
     /// Less than its share of the expected motion is seen, and nothing sound explains what is missing.
     /// `late`: what late rotors push less by \[rad/s\]. `explained`: what else explains, from what a
-    /// disturbance by volts does \[rad/s\], whether the push is negative, and whether the axis moves against it.
+    /// disturbance by volts does \[rad/s\], whether the push is negative, and whether the axis moves against
+    /// it.
     #[inline(always)]
     pub(super) fn contradicts(
         &mut self,

@@ -151,8 +151,8 @@ fn a_disturbance_cuts_no_motors() {
     assert_eq!(wrong, 0, "cut by the motion monitor + by another condition, of {}\n{table}", flights());
 }
 
-/// These were cut: by a yaw that a disturbance happened to hold while the goal moved away, and by the heaviest
-/// weight that is hung on, or what is left of it once it is taken off.
+/// These were cut, by these rules or by some that were tried: for a yaw that a disturbance happened to hold
+/// while the goal moved away, and for the heaviest weight, as it was hung on or as it was taken off.
 #[test]
 fn what_was_once_taken_for_a_fault_is_none() {
     let once = [
