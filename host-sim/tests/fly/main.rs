@@ -363,3 +363,23 @@ fn a_scenario_befalls_the_simulated_rig_and_leaves_a_real_one_alone() {
     let notes = alone["notes"].to_string();
     assert!(notes.contains("disturbances, events and hardware are left out"), "{notes}");
 }
+
+/// Side by side is told alike: the same gains tried beside themselves come out as they went in. And gains of
+/// another rig are told, whichever of the two they are.
+#[test]
+fn gains_tried_beside_themselves_are_as_good_and_those_of_another_rig_are_told() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let flown = |rig: &str| {
+        let gains = "gains/aero2.toml";
+        json(&fly(top, &["--preset", rig, "--gains", gains, "--trial", gains, "--json"]))
+    };
+    let document = flown("aero2");
+    for axis in ["pitch", "yaw"] {
+        let ise = |which: &str| document[which][axis]["ise"].as_f64().unwrap();
+        assert!((ise("tried") / ise("flown") - 1.0).abs() < 0.05, "{axis}: {document}");
+    }
+    assert!(!document["notes"].to_string().contains("tuned on"), "{document}");
+    let told = flown("rigs/student-aero2.toml")["notes"].to_string();
+    let note = "gains/aero2.toml: these gains were tuned on 'aero2', not on 'rigs/student-aero2.toml'";
+    assert_eq!(told.matches(note).count(), 2, "{told}");
+}

@@ -2,6 +2,7 @@
 
 use super::Args;
 use super::inject::by_tick;
+use crate::cli::common::tuned_elsewhere;
 use crate::cli::simulate::cannot_hold;
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -18,9 +19,9 @@ use twinrotor_station::image;
 use twinrotor_station::session::{Leg, Plan, Write};
 
 /// \[s\] Longest scenario that gains are tried in.
-const LONGEST_TRIAL: f64 = 540.0;
-/// \[s\] That a trial may take beside the scenario.
-const TRIAL_MARGIN: f64 = 60.0;
+const LONGEST_TRIAL: f64 = 500.0;
+/// \[s\] That a trial may take beside the scenario: to begin as warm as the flight before it did, and to end.
+const TRIAL_MARGIN: f64 = 100.0;
 
 /// What is to be flown.
 pub(super) struct Task {
@@ -82,12 +83,16 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
     }
     refuse_out_of_range(&scenario, &parameters)?;
     notes.extend(cannot_hold(&gains.settings(&named.rig), &scenario));
+    notes.extend(told_of(&gains_name, tuned_elsewhere(&named.name, &gains)));
     let trial = |name: &String| -> Outcome<GainsFile> {
         let gains = files::gains("--trial", name)?;
         gains.require_stable(&named.name, &named.rig).map_err(|error| error.within(name))?;
         Ok(gains)
     };
     let trial = args.trial.as_ref().map(trial).transpose()?;
+    if let (Some(name), Some(gains)) = (&args.trial, &trial) {
+        notes.extend(told_of(name, tuned_elsewhere(&named.name, gains)));
+    }
     if trial.is_some() && scenario.duration > LONGEST_TRIAL {
         return Err(Failure::Input(format!(
             "--scenario {} lasts {} s; allowed: at most {LONGEST_TRIAL} s with --trial, which a board ends \
@@ -97,6 +102,11 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
     }
     let others = if args.report.is_some() { others(args, &parameters, &mut notes)? } else { Vec::new() };
     Ok(Task { named, gains, gains_name, trial, scenario, others, parameters, notes })
+}
+
+/// A note with the file that it is of.
+fn told_of(name: &str, note: Option<String>) -> Option<String> {
+    note.map(|note| format!("{name}: {note}"))
 }
 
 /// Every scenario of a folder, by name, but for those beyond what the rig may do.
