@@ -14,7 +14,7 @@
 //!   for walks away from the setpoint, out of the envelope.) Near the continuous limit (`WARM`) the bounds
 //!   shrink; for a setpoint that has just begun to move they are a part (`BEGIN`), since a jump of the rate
 //!   asks for more than the motion that follows.
-//! - **The error** that the law sees is at most half of the reach, and less with warm motors. A motor whose
+//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose
 //!   current is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and
 //!   keeps the motors hot by doing so. With the error bounded the damping outweighs the stiffness in large
 //!   swings, they die, and the motors cool. An error that is more than `LOST` beyond the bound means that the
@@ -44,10 +44,8 @@ const CRAWL: f64 = 0.12;
 const WARM: f64 = 0.12;
 /// \[-\] Of that room, what is kept in any case.
 const MARGIN: f64 = 0.04;
-/// \[-\] Of the reach, the largest error that the law sees.
-const ERROR_SHARE: f64 = 0.5;
-/// \[-\] Of that, what is seen of an error in any case.
-const LEAST_ERROR: f64 = 0.06;
+/// \[-\] Least share of the reach that an error is taken for.
+const LEAST_ERROR: f64 = 0.03;
 /// \[rad\] Sum of both axes' errors beyond the bound from which on the rig counts as left behind.
 const LOST: f64 = 0.01;
 /// \[-\] Most by which the room that heat leaves may count for more.
@@ -154,7 +152,7 @@ impl<R: Real> Governor<R> {
             rate: speed.zip(sum, |speed, sum| R::from_f64(RATE_MARGIN) * speed / sum),
             accel,
             ease: (most.pitch / accel.pitch).min(R::from_f64(MOST_EASE)),
-            error: reach.scaled(R::from_f64(ERROR_SHARE)),
+            error: reach,
             recovery: settings.sample_time * R::from_f64(1.0 / RECOVERY),
             slowing: R::one() - settings.sample_time * R::from_f64(1.0 / SLOWING),
             gentle: settings.sample_time * R::from_f64(1.0 / GENTLE),
