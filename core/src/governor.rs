@@ -14,10 +14,10 @@
 //!   for walks away from the setpoint, out of the envelope.) Near the continuous limit (`WARM`) the bounds
 //!   shrink; for a setpoint that has just begun to move they are a part (`BEGIN`), since a jump of the rate
 //!   asks for more than the motion that follows.
-//! - **The error** that the law sees is at most half of the reach, and less with warm motors. A motor whose
+//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose
 //!   current is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and
 //!   keeps the motors hot by doing so. With the error bounded the damping outweighs the stiffness in large
-//!   swings, they die, and the motors cool. An error that is more than `LOST` beyond the bound means that the
+//!   swings, they die, and the motors cool. While the bound is in force the
 //!   rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only after
 //!   `RECOVERY` seconds.
 //! - **Room.** How warm is warm depends on what is left to catch a swing with. Where a step of the reach asks
@@ -44,12 +44,8 @@ const CRAWL: f64 = 0.12;
 const WARM: f64 = 0.12;
 /// \[-\] Of that room, what is kept in any case.
 const MARGIN: f64 = 0.04;
-/// \[-\] Of the reach, the largest error that the law sees.
-const ERROR_SHARE: f64 = 0.5;
-/// \[-\] Of that, what is seen of an error in any case.
-const LEAST_ERROR: f64 = 0.06;
-/// \[rad\] Sum of both axes' errors beyond the bound from which on the rig counts as left behind.
-const LOST: f64 = 0.01;
+/// \[-\] Least share of the reach that an error is taken for.
+const LEAST_ERROR: f64 = 0.03;
 /// \[-\] Most by which the room that heat leaves may count for more.
 const MOST_EASE: f64 = 2.0;
 /// \[-\] Largest rate of a setpoint, for each rad/s at which a far goal is gone at.
@@ -154,7 +150,7 @@ impl<R: Real> Governor<R> {
             rate: speed.zip(sum, |speed, sum| R::from_f64(RATE_MARGIN) * speed / sum),
             accel,
             ease: (most.pitch / accel.pitch).min(R::from_f64(MOST_EASE)),
-            error: reach.scaled(R::from_f64(ERROR_SHARE)),
+            error: reach,
             recovery: settings.sample_time * R::from_f64(1.0 / RECOVERY),
             slowing: R::one() - settings.sample_time * R::from_f64(1.0 / SLOWING),
             gentle: settings.sample_time * R::from_f64(1.0 / GENTLE),
@@ -215,7 +211,7 @@ impl<R: Real> Governor<R> {
         let error = reference.angle.minus(angle);
         let most = self.error.scaled(leave.error);
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
-        let lost = R::from_f64(LOST).lt(beyond.pitch.abs() + beyond.yaw.abs());
+        let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());
         let slowed = (self.follow * self.slowing).max(R::from_f64(CRAWL));
         self.follow = R::select(lost, slowed, (self.follow + self.recovery).min(R::one()));
         Reference { angle: reference.angle.plus(beyond), ..*reference }
