@@ -8,8 +8,8 @@ use twinrotor::board::{self, Board};
 /// \[byte\] Of the flash behind the parameters' place: 512 KiB less 64, of which an image has these. The
 /// F405's sectors 4 and 5, and as much of the others.
 const FLASH: u64 = 192 * 1024;
-/// \[byte\] For statics: 10 KiB of it are room for laws of matrices, of which the loop, a trial and each message
-/// on its way have one.
+/// \[byte\] For statics: 10 KiB of it are room for laws of matrices, of which the loop, a trial and each
+/// message on its way have one.
 const RAM: u64 = 26 * 1024;
 /// \[byte\] What boards may differ by: they are one program, and their chips' crates.
 const APART: u64 = 8 * 1024;

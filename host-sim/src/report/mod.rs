@@ -154,7 +154,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// Computes all of it, with controllers of one's `own` as rows of Table 6. `seen` is told what comes next.
+    /// Computes all of it, with controllers of one's `own` as rows of Table 6. `seen` is told what comes
+    /// next.
     ///
     /// # Errors
     ///

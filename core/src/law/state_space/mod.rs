@@ -51,8 +51,8 @@ pub struct StateSpace<R> {
 }
 
 /// `from` and a row times a column, in the order of the row, all of it: what a law does not have is zero.
-/// (Four at a time, of which there is a whole number in each row: a board's compiler, told to be brief, unrolls
-/// nothing by itself.)
+/// (Four at a time, of which there is a whole number in each row: a board's compiler, told to be brief,
+/// unrolls nothing by itself.)
 #[inline(always)]
 fn product<R: Real, const N: usize>(from: R, row: &[R; N], column: &[R; N]) -> R {
     const { assert!(N.is_multiple_of(4)) };

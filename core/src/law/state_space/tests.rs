@@ -69,7 +69,8 @@ proptest! {
         let mut next = || numbers.next().unwrap();
         let mut gains = StateSpaceGains::none();
         (gains.states, gains.inputs, gains.corrected, gains.feed_forward) = (8, 4, true, false);
-        gains.signals = [Signal::AnglePitch, Signal::RateYaw, Signal::ReferencePitch, Signal::ReferenceRateYaw];
+        gains.signals =
+            [Signal::AnglePitch, Signal::RateYaw, Signal::ReferencePitch, Signal::ReferenceRateYaw];
         gains.a = core::array::from_fn(|_| core::array::from_fn(|_| next()));
         gains.b = core::array::from_fn(|_| core::array::from_fn(|_| next()));
         gains.c = PerMotor { main: core::array::from_fn(|_| next()), tail: core::array::from_fn(|_| next()) };

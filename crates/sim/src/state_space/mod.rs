@@ -128,8 +128,8 @@ pub(crate) fn write(gains: &StateSpaceGains<f64>) -> toml::Table {
 }
 
 impl GainsFile {
-    /// Refuses a law of matrices whose sampled loop on `rig`, called `name`, is unstable about the level pose:
-    /// see [`margins`]. Other laws are taken as they are, as what is said of a law here may be tuned.
+    /// Refuses a law of matrices whose sampled loop on `rig`, called `name`, is unstable about the level
+    /// pose: see [`margins`]. Other laws are taken as they are, as what is said of a law here may be tuned.
     ///
     /// # Errors
     ///
@@ -143,8 +143,8 @@ impl GainsFile {
             return Ok(());
         }
         Err(Error::Unusable(format!(
-            "the sampled loop of this state-space law on {name} is unstable: a small error grows at {:.3} /s; \
-             allowed: a loop in which it dies (margins tells its slowest pole)",
+            "the sampled loop of this state-space law on {name} is unstable: a small error grows at {:.3} \
+             /s; allowed: a loop in which it dies (margins tells its slowest pole)",
             -pole
         )))
     }

@@ -16,9 +16,9 @@ const LEVEL: (f32, f32) = (0.02, 0.05);
 /// \[ticks\] For how long it must be.
 const STEADY: u32 = 1_000;
 /// \[ticks\] And for how long before flights that are compared, so that all begin with motors as warm as level
-/// makes them, whatever was flown before: three times what their heat goes by.
+/// makes them, whatever was flown before: four times what their heat goes by.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a constant, in range")]
-const ALIKE: u32 = (3.0 * HEATING_TIME / twinrotor::SAMPLE_TIME) as u32;
+const ALIKE: u32 = (4.0 * HEATING_TIME / twinrotor::SAMPLE_TIME) as u32;
 /// \[ticks\] After which, over and above that, a leg begins although it is not.
 const LONGEST_RISE: u32 = 20_000;
 

@@ -461,6 +461,6 @@ fn a_controller_tried_beside_itself_flies_as_before() {
     assert_eq!(flights.len(), 2);
     for (first, second) in flights[0].iter().zip(&flights[1]) {
         let apart = first.angle.zip(second.angle, |a, b| (a - b).abs());
-        assert!(apart.pitch < 0.03 && apart.yaw < 0.03, "{}: {apart:?}", first.tick);
+        assert!(apart.pitch < 0.015 && apart.yaw < 0.015, "{}: {apart:?}", first.tick);
     }
 }

@@ -63,8 +63,8 @@ fn a_law_of_matrices_goes_over_the_line_into_flash_and_comes_back() {
     assert_eq!(read(&mut station), record);
 }
 
-/// 3,177 and 2,263 by the median with rustc 1.95, of the 168,000 that there are. The 2,300 that the project asks
-/// of its own controllers are not for this law.
+/// 3,177 and 2,263 by the median with rustc 1.95, of the 168,000 that there are. The 2,300 that the project
+/// asks of its own controllers are not for this law.
 #[test]
 fn a_tick_of_the_largest_law_of_matrices_is_within_the_budget_of_a_tick() {
     let (rig, parameters) = largest();
