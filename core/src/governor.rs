@@ -17,8 +17,9 @@
 //! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose
 //!   current is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and
 //!   keeps the motors hot by doing so. With the error bounded the damping outweighs the stiffness in large
-//!   swings, they die, and the motors cool. While the bound is in force the
-//!   rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only after
+//!   swings, they die, and the motors cool. Of a setpoint that moves it is half as much (`MOVING_ERROR`): who
+//!   is a whole reach beyond it where it turns has not half of the way left to be caught on. While the bound is
+//!   in force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only after
 //!   `RECOVERY` seconds.
 //! - **Room.** How warm is warm depends on what is left to catch a swing with. Where a step of the reach asks
 //!   for less of pitch than the volts leave, all of these begin nearer to the continuous limit, at most twice
@@ -46,6 +47,8 @@ const WARM: f64 = 0.12;
 const MARGIN: f64 = 0.04;
 /// \[-\] Least share of the reach that an error is taken for.
 const LEAST_ERROR: f64 = 0.03;
+/// \[-\] Of the bound on the error, what counts while the setpoint moves by itself.
+const MOVING_ERROR: f64 = 0.5;
 /// \[-\] Most by which the room that heat leaves may count for more.
 const MOST_EASE: f64 = 2.0;
 /// \[-\] Largest rate of a setpoint, for each rad/s at which a far goal is gone at.
@@ -209,7 +212,11 @@ impl<R: Real> Governor<R> {
     #[inline(always)]
     pub fn within(&mut self, reference: &Reference<R>, angle: PerAxis<R>, leave: &Leave<R>) -> Reference<R> {
         let error = reference.angle.minus(angle);
-        let most = self.error.scaled(leave.error);
+        let at_rest = R::from_f64(BEGIN);
+        let most = self
+            .error
+            .scaled(leave.error)
+            .zip(self.open, |most, open| R::select(at_rest.lt(open), R::from_f64(MOVING_ERROR) * most, most));
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
         let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());
         let slowed = (self.follow * self.slowing).max(R::from_f64(CRAWL));
