@@ -199,8 +199,8 @@ fn every_preset_makes_a_record_that_comes_back() {
     }
 }
 
-/// The longest record, which a law of matrices makes: saved over another with the supply cut in every word, it
-/// is one of the two, whole, and the next save holds.
+/// The longest record, which a law of matrices makes: saved over another with the supply cut in every word,
+/// it is one of the two, whole, and the next save holds.
 #[test]
 fn a_record_of_matrices_comes_back_and_survives_a_cut_in_every_word() {
     let record = |gain: f32| {
