@@ -2,7 +2,7 @@ use super::ram_flash::{AREA_SIZE, PAGE_SIZE, PowerCut, RamFlash, RamFlashError};
 use super::store::{MAX_PAYLOAD, SLOT_SIZE, Store, StoreError};
 use super::*;
 use crate::gains::{self, Gains};
-use crate::law::LawSettings;
+use crate::law::{LawSettings, StateSpaceGains};
 use crate::plant::presets;
 use std::boxed::Box;
 use std::vec::Vec;
@@ -196,6 +196,49 @@ fn every_preset_makes_a_record_that_comes_back() {
         assert_eq!(before.validate(), Ok(()), "{name}");
         let mut buffer = [0; MAX_PAYLOAD];
         assert_eq!(Parameters::decode(before.encode(&mut buffer).unwrap()), Ok(before), "{name}");
+    }
+}
+
+/// The longest record, which a law of matrices makes: saved over another with the supply cut in every word,
+/// it is one of the two, whole, and the next save holds.
+#[test]
+fn a_record_of_matrices_comes_back_and_survives_a_cut_in_every_word() {
+    let record = |gain: f32| {
+        let mut record = parameters(&presets::AERO2);
+        let mut law = StateSpaceGains::<f32>::none();
+        (law.states, law.inputs, law.corrected) = (8, 4, true);
+        law.a = [[gain; 8]; 8];
+        law.b = [[-gain; 4]; 8];
+        record.settings.controller.law = LawSettings::StateSpace(law);
+        record
+    };
+    let (old, new) = (record(0.25), record(0.5));
+    let put = |flash, record: &Parameters| {
+        let mut store = Store::new(flash, 0);
+        let result = super::save(&mut store, record, &mut [0; SLOT_SIZE]);
+        (store.into_flash(), result)
+    };
+    let found = |flash: &RamFlash| {
+        let (_, bytes) = load(flash.clone());
+        Parameters::decode(&bytes.unwrap()).unwrap()
+    };
+    let (before, result) = put(RamFlash::default(), &old);
+    assert_eq!((result, found(&before)), (Ok(()), old));
+    let (after, result) = put(before.clone(), &new);
+    assert_eq!((result, found(&after)), (Ok(()), new));
+    let count = after.operations - before.operations;
+    assert!(count > 200, "a long record: {count} words");
+    for operation in 0..count {
+        for progress in PROGRESS {
+            let mut flash = before.clone();
+            flash.cut = Some(PowerCut { operation, progress, seed: operation });
+            let (mut flash, result) = put(flash, &new);
+            assert!(result.is_err());
+            flash.power_on();
+            assert!([old, new].contains(&found(&flash)), "cut at {operation}");
+            let (flash, result) = put(flash, &old);
+            assert_eq!((result, found(&flash)), (Ok(()), old), "the save after a cut at {operation}");
+        }
     }
 }
 

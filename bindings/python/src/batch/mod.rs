@@ -7,7 +7,7 @@ mod task;
 mod volts;
 mod world;
 
-use crate::parts::{stable_gains_of, named_rig, raised, within, word};
+use crate::parts::{named_rig, raised, stable_gains_of, within, word};
 use crew::Crew;
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
