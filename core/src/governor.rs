@@ -12,17 +12,15 @@
 //!   by one factor, which recovers more slowly than a swing, and with warm motors hardly at all. (A factor
 //!   that follows the heat of every swing is another on the way out than on the way back, and what is asked
 //!   for walks away from the setpoint, out of the envelope.) Near the continuous limit (`WARM`) the bounds
-//!   shrink; for a setpoint that has just begun to move they are a part (`BEGIN`), since a jump of the rate
-//!   asks for more than the motion that follows.
-//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose
-//!   current is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and
-//!   keeps the motors hot by doing so. With the error bounded the damping outweighs the stiffness in large
-//!   swings, they die, and the motors cool. While the bound is in force the
-//!   rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only after
-//!   `RECOVERY` seconds.
-//! - **Room.** How warm is warm depends on what is left to catch a swing with. Where a step of the reach asks
-//!   for less of pitch than the volts leave, all of these begin nearer to the continuous limit, at most twice
-//!   as near (`MOST_EASE`).
+//!   shrink; where the volts leave more for pitch than a step of the reach asks for, there is more to catch a
+//!   swing with, and they do so nearer to it, at most twice as near (`MOST_EASE`). For a setpoint that has
+//!   just begun to move they are a part (`BEGIN`), since a jump of the rate asks for more than the motion
+//!   that follows.
+//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current
+//!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
+//!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
+//!   die, and the motors cool. While the bound is in force the rig has been left behind: of any motion less
+//!   is asked for (`SLOWING`), and in full again only after `RECOVERY` seconds.
 //! - **Pitch** stays where the motors can hold it for long ([`StaticReach`]).
 //!
 //! A step within the reach, with cold motors, is governed by nothing of this.
@@ -46,7 +44,7 @@ const WARM: f64 = 0.12;
 const MARGIN: f64 = 0.04;
 /// \[-\] Least share of the reach that an error is taken for.
 const LEAST_ERROR: f64 = 0.03;
-/// \[-\] Most by which the room that heat leaves may count for more.
+/// \[-\] Most by which the room that heat leaves for motion may count for more.
 const MOST_EASE: f64 = 2.0;
 /// \[-\] Largest rate of a setpoint, for each rad/s at which a far goal is gone at.
 const RATE_MARGIN: f64 = 2.0;
@@ -74,9 +72,9 @@ pub struct Governor<R> {
     /// \[rad/s\], \[rad/s²\] Most of a setpoint's own motion.
     rate: PerAxis<R>,
     accel: PerAxis<R>,
-    /// \[rad\] Largest error that the law sees, with cold motors.
-    error: PerAxis<R>,
-    /// \[-\] By how much the room that heat leaves counts for more.
+    /// \[rad\]
+    reach: PerAxis<R>,
+    /// \[-\] By how much the room that heat leaves for motion counts for more.
     ease: R,
     /// Gained by `follow` and by `scale` in a tick.
     recovery: R,
@@ -115,19 +113,19 @@ pub struct Leave<R> {
 }
 
 impl<R: Real> Leave<R> {
-    /// With a `limit` where the motors are known, for a governor that counts its room `ease` times.
+    /// With a `limit` where the motors are known, for a governor that counts the room for motion `ease` times.
     #[inline(always)]
     fn new(limit: Option<&CurrentLimit<R>>, ease: R) -> Self {
         let one = R::one();
         let Some(limit) = limit else {
             return Self { reach: one, motion: one, error: one };
         };
-        let room = (one - limit.load()) * ease;
+        let room = one - limit.load();
         let share = |room: R, whole: f64| (room * R::from_f64(1.0 / whole)).clamp(R::from_f64(CRAWL), one);
         let reach = share(room, STEP_HEAT);
         Self {
             reach,
-            motion: share(room - R::from_f64(MARGIN), WARM),
+            motion: share(room * ease - R::from_f64(MARGIN), WARM),
             error: (reach * reach).max(R::from_f64(LEAST_ERROR)),
         }
     }
@@ -150,7 +148,7 @@ impl<R: Real> Governor<R> {
             rate: speed.zip(sum, |speed, sum| R::from_f64(RATE_MARGIN) * speed / sum),
             accel,
             ease: (most.pitch / accel.pitch).min(R::from_f64(MOST_EASE)),
-            error: reach,
+            reach,
             recovery: settings.sample_time * R::from_f64(1.0 / RECOVERY),
             slowing: R::one() - settings.sample_time * R::from_f64(1.0 / SLOWING),
             gentle: settings.sample_time * R::from_f64(1.0 / GENTLE),
@@ -209,7 +207,7 @@ impl<R: Real> Governor<R> {
     #[inline(always)]
     pub fn within(&mut self, reference: &Reference<R>, angle: PerAxis<R>, leave: &Leave<R>) -> Reference<R> {
         let error = reference.angle.minus(angle);
-        let most = self.error.scaled(leave.error);
+        let most = self.reach.scaled(leave.error);
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
         let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());
         let slowed = (self.follow * self.slowing).max(R::from_f64(CRAWL));
