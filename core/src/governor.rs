@@ -12,18 +12,18 @@
 //!   by one factor, which recovers more slowly than a swing, and with warm motors hardly at all. (A factor
 //!   that follows the heat of every swing is another on the way out than on the way back, and what is asked
 //!   for walks away from the setpoint, out of the envelope.) Near the continuous limit (`WARM`) the bounds
-//!   shrink; for a setpoint that has just begun to move they are a part (`BEGIN`), since a jump of the rate
-//!   asks for more than the motion that follows.
-//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose
-//!   current is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and
-//!   keeps the motors hot by doing so. With the error bounded the damping outweighs the stiffness in large
-//!   swings, they die, and the motors cool. Of a setpoint that moves it is half as much (`MOVING_ERROR`): who
-//!   is a whole reach beyond it where it turns has not half of the way left to be caught on. While the bound is
-//!   in force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only after
-//!   `RECOVERY` seconds.
-//! - **Room.** How warm is warm depends on what is left to catch a swing with. Where a step of the reach asks
-//!   for less of pitch than the volts leave, all of these begin nearer to the continuous limit, at most twice
-//!   as near (`MOST_EASE`).
+//!   shrink; where the volts leave more for pitch than a step of the reach asks for, there is more to catch a
+//!   swing with, and they do so nearer to it, at most twice as near (`MOST_EASE`). For a setpoint that has
+//!   just begun to move they are a part (`BEGIN`), since a jump of the rate asks for more than the motion
+//!   that follows.
+//! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current
+//!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
+//!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
+//!   die, and the motors cool. While a setpoint moves by itself, it shrinks as late as the motion does; where
+//!   no heat is known that would bound it, it is half of the reach then (`MOVING_ERROR`), since who is a whole
+//!   reach beyond a goal that turns has too little of the way left to be caught on. While the bound is in
+//!   force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only
+//!   after `RECOVERY` seconds.
 //! - **Pitch** stays where the motors can hold it for long ([`StaticReach`]).
 //!
 //! A step within the reach, with cold motors, is governed by nothing of this.
@@ -47,9 +47,9 @@ const WARM: f64 = 0.12;
 const MARGIN: f64 = 0.04;
 /// \[-\] Least share of the reach that an error is taken for.
 const LEAST_ERROR: f64 = 0.03;
-/// \[-\] Of the bound on the error, what counts while the setpoint moves by itself.
+/// \[-\] Of the reach, what an error counts to while the setpoint moves by itself and no heat bounds it.
 const MOVING_ERROR: f64 = 0.5;
-/// \[-\] Most by which the room that heat leaves may count for more.
+/// \[-\] Most by which the room that heat leaves for motion may count for more.
 const MOST_EASE: f64 = 2.0;
 /// \[-\] Largest rate of a setpoint, for each rad/s at which a far goal is gone at.
 const RATE_MARGIN: f64 = 2.0;
@@ -77,9 +77,9 @@ pub struct Governor<R> {
     /// \[rad/s\], \[rad/s²\] Most of a setpoint's own motion.
     rate: PerAxis<R>,
     accel: PerAxis<R>,
-    /// \[rad\] Largest error that the law sees, with cold motors.
-    error: PerAxis<R>,
-    /// \[-\] By how much the room that heat leaves counts for more.
+    /// \[rad\]
+    reach: PerAxis<R>,
+    /// \[-\] By how much the room that heat leaves for motion counts for more.
     ease: R,
     /// Gained by `follow` and by `scale` in a tick.
     recovery: R,
@@ -115,23 +115,27 @@ pub struct Leave<R> {
     pub reach: R,
     motion: R,
     error: R,
+    /// Of a setpoint that moves by itself.
+    moving_error: R,
 }
 
 impl<R: Real> Leave<R> {
-    /// With a `limit` where the motors are known, for a governor that counts its room `ease` times.
+    /// With a `limit` where the motors are known, for a governor that counts the room for motion `ease` times.
     #[inline(always)]
     fn new(limit: Option<&CurrentLimit<R>>, ease: R) -> Self {
         let one = R::one();
         let Some(limit) = limit else {
-            return Self { reach: one, motion: one, error: one };
+            return Self { reach: one, motion: one, error: one, moving_error: R::from_f64(MOVING_ERROR) };
         };
-        let room = (one - limit.load()) * ease;
+        let room = one - limit.load();
         let share = |room: R, whole: f64| (room * R::from_f64(1.0 / whole)).clamp(R::from_f64(CRAWL), one);
         let reach = share(room, STEP_HEAT);
+        let eased = share(room * ease, STEP_HEAT);
         Self {
             reach,
-            motion: share(room - R::from_f64(MARGIN), WARM),
+            motion: share(room * ease - R::from_f64(MARGIN), WARM),
             error: (reach * reach).max(R::from_f64(LEAST_ERROR)),
+            moving_error: (eased * eased).max(R::from_f64(LEAST_ERROR)),
         }
     }
 }
@@ -153,7 +157,7 @@ impl<R: Real> Governor<R> {
             rate: speed.zip(sum, |speed, sum| R::from_f64(RATE_MARGIN) * speed / sum),
             accel,
             ease: (most.pitch / accel.pitch).min(R::from_f64(MOST_EASE)),
-            error: reach,
+            reach,
             recovery: settings.sample_time * R::from_f64(1.0 / RECOVERY),
             slowing: R::one() - settings.sample_time * R::from_f64(1.0 / SLOWING),
             gentle: settings.sample_time * R::from_f64(1.0 / GENTLE),
@@ -213,10 +217,8 @@ impl<R: Real> Governor<R> {
     pub fn within(&mut self, reference: &Reference<R>, angle: PerAxis<R>, leave: &Leave<R>) -> Reference<R> {
         let error = reference.angle.minus(angle);
         let at_rest = R::from_f64(BEGIN);
-        let most = self
-            .error
-            .scaled(leave.error)
-            .zip(self.open, |most, open| R::select(at_rest.lt(open), R::from_f64(MOVING_ERROR) * most, most));
+        let share = self.open.map(|open| R::select(at_rest.lt(open), leave.moving_error, leave.error));
+        let most = self.reach.zip(share, |reach, share| reach * share);
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
         let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());
         let slowed = (self.follow * self.slowing).max(R::from_f64(CRAWL));
