@@ -12,7 +12,7 @@ use crate::validate::{Invalid, require};
 
 /// \[s\] Over which the square of the current is averaged for the continuous limit: well below the minutes in
 /// which a motor of this size warms up. No source gives one.
-pub const HEATING_TIME: f64 = 10.0;
+const HEATING_TIME: f64 = 10.0;
 /// Share of the continuous limit's heat at which the peak limit begins to fall back.
 const FOLD_BACK_FROM: f64 = 0.75;
 

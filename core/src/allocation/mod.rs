@@ -4,7 +4,7 @@ mod current_limit;
 mod scaling;
 mod weighted;
 
-pub use current_limit::{CurrentLimit, CurrentLimitSettings, HEATING_TIME};
+pub use current_limit::{CurrentLimit, CurrentLimitSettings};
 
 use crate::axes::{PerAxis, PerMotor};
 use crate::plant::Effectiveness;

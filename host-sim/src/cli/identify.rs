@@ -266,7 +266,7 @@ fn summary(
     let _ = writeln!(text, "preset:  {}\nfigure:  {}", args.out.display(), plot.display());
     let _ = writeln!(
         text,
-        "tune it: cargo run --release -p host-sim tune --preset {} --fidelity rig --objective robust",
+        "tune it: cargo run --release -p host-sim tune --preset {} --objective robust",
         args.out.display()
     );
     text

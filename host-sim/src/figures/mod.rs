@@ -57,12 +57,17 @@ pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f6
     }
 }
 
-/// How many rows show all that happens: twice the slower settling time where both axes settle, else all.
+/// How many rows show all that happens: twice the slower settling time where both axes settle and nothing more
+/// is asked for afterwards, else all.
 fn shown(flight: &Flight) -> usize {
     let (pitch, yaw) = (&flight.report.pitch, &flight.report.yaw);
     let all = flight.rows.len();
+    let asked = flight.rows.windows(2).rfind(|pair| pair[0].reference != pair[1].reference);
+    let asked = asked.map_or(0.0, |pair| pair[1].time);
     match (pitch.settling_time_2, yaw.settling_time_2) {
-        (Some(p), Some(y)) => flight.rows.iter().position(|r| r.time > 2.0 * p.max(y)).unwrap_or(all),
+        (Some(p), Some(y)) if asked <= p.max(y) => {
+            flight.rows.iter().position(|r| r.time > 2.0 * p.max(y)).unwrap_or(all)
+        }
         _ => all,
     }
 }

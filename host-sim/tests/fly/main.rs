@@ -383,3 +383,15 @@ fn gains_tried_beside_themselves_are_as_good_and_those_of_another_rig_are_told()
     let note = "gains/aero2.toml: these gains were tuned on 'aero2', not on 'rigs/student-aero2.toml'";
     assert_eq!(told.matches(note).count(), 2, "{told}");
 }
+
+/// A figure shows all that was asked for, also what comes long after the first step has settled.
+#[test]
+fn a_figure_goes_on_to_the_last_jump() {
+    let folder = tempfile::tempdir().unwrap();
+    let jumps = "duration = 14.0\n[pitch.steps]\njumps = []\n[yaw.steps]\njumps = [[0.5, 10], [11, 0]]\n";
+    fs::write(folder.path().join("jumps.toml"), jumps).unwrap();
+    let output = fly(folder.path(), &["--scenario", "jumps.toml", "--plot", "jumps.svg"]);
+    assert!(output.status.success(), "{}", told(&output));
+    let drawn = fs::read_to_string(folder.path().join("jumps.svg")).unwrap();
+    assert!(drawn.lines().any(|line| ["12.0", "14.0"].contains(&line.trim())), "the last jump is not drawn");
+}

@@ -3,7 +3,6 @@
 use super::{Begin, Course, Ending, Event, Leg, Phase, Session};
 use crate::words;
 use std::time::Duration;
-use twinrotor::allocation::HEATING_TIME;
 use twinrotor::axes::PerAxis;
 use twinrotor::control_loop::OperatorCommand;
 use twinrotor::real::Real;
@@ -15,11 +14,7 @@ use twinrotor::telemetry::{Frame, Kept, TrialPhase};
 const LEVEL: (f32, f32) = (0.02, 0.05);
 /// \[ticks\] For how long it must be.
 const STEADY: u32 = 1_000;
-/// \[ticks\] And for how long before flights that are compared, so that all begin with motors as warm as level
-/// makes them, whatever was flown before: four times what their heat goes by.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a constant, in range")]
-const ALIKE: u32 = (4.0 * HEATING_TIME / twinrotor::SAMPLE_TIME) as u32;
-/// \[ticks\] After which, over and above that, a leg begins although it is not.
+/// \[ticks\] After which a leg begins although it is not.
 const LONGEST_RISE: u32 = 20_000;
 
 /// How long a controller may take to come into force: its shadow, and the longest fading.
@@ -136,9 +131,8 @@ impl Session {
         match &mut self.phase {
             Phase::Rising(leave) => {
                 let leave = *leave;
-                let steady = self.steady_before(leave.leg);
-                let level = tick.wrapping_sub(leave.unsteady) >= steady;
-                if level || tick.wrapping_sub(leave.from) >= steady + LONGEST_RISE {
+                let level = tick.wrapping_sub(leave.unsteady) >= STEADY;
+                if level || tick.wrapping_sub(leave.from) >= LONGEST_RISE {
                     if !level {
                         self.step("unsteady", "the rig does not come to rest at level; the flight begins");
                     }
@@ -179,15 +173,6 @@ impl Session {
             }
             _ => {}
         }
-    }
-
-    /// \[ticks\] For how long the rig must be level before that leg.
-    fn steady_before(&self, leg: usize) -> u32 {
-        let legs = &self.plan.legs;
-        let compared = legs.iter().any(|leg| matches!(leg, Leg::Try(_)));
-        let warms = self.plan.parameters.settings.current_limit.is_some();
-        let flies = matches!(legs.get(leg), Some(Leg::Fly(_)));
-        if compared && warms && flies { ALIKE } else { STEADY }
     }
 
     /// What is to befall the rig by that tick of the flight.

@@ -434,33 +434,3 @@ fn a_controller_that_the_board_takes_back_is_not_accepted() {
     assert!(end.motors == Motors::SeenOff && !desk.turns());
     assert_eq!(desk.steps()[6..], ["flying", "trying", "tried", "flying", "taken back", "landing", "down"]);
 }
-
-/// Two flights that are compared begin alike: the same controller tried beside itself flies as before, however
-/// warm the first flight has made the motors.
-#[test]
-fn a_controller_tried_beside_itself_flies_as_before() {
-    let own = record(&AERO2, true).settings.controller;
-    let far = vec![Reference::at_rest(PerAxis::new(0.26, 0.7)); 5_000];
-    let (fly, same) = (Leg::Fly(far), Box::new(Attempt { revert_ms: 90_000, ..Attempt::new(own) }));
-    let legs = vec![fly.clone(), Leg::Try(same), fly, Leg::Revert];
-    let mut desk = Desk::new(stored(&AERO2, true), Plan { legs, ..plan(&AERO2) });
-    assert_eq!(desk.end().ending, Ending::Flown, "{:?}", desk.steps());
-    let begins = desk.events.iter().filter_map(|event| match event {
-        Event::Begins { tick, .. } => Some(*tick),
-        _ => None,
-    });
-    let flights: Vec<Vec<Frame>> = begins
-        .map(|begin| {
-            let frames = desk.events.iter().filter_map(|event| match event {
-                Event::Frame(frame) if (begin..begin + 5_000).contains(&frame.tick) => Some(*frame),
-                _ => None,
-            });
-            frames.collect()
-        })
-        .collect();
-    assert_eq!(flights.len(), 2);
-    for (first, second) in flights[0].iter().zip(&flights[1]) {
-        let apart = first.angle.zip(second.angle, |a, b| (a - b).abs());
-        assert!(apart.pitch < 0.015 && apart.yaw < 0.015, "{}: {apart:?}", first.tick);
-    }
-}

@@ -175,9 +175,12 @@ fn conclude(
     } else {
         None
     };
-    let flight = flown_.begins.first().map(|begin| flown(frames, *begin, rig, &task.scenario));
-    let second = task.trial.as_ref().and_then(|_| flown_.begins.get(1));
-    let tried = second.map(|begin| flown(frames, *begin, rig, &task.scenario));
+    // Before a trial the accepted gains fly twice: the first flight warms the motors.
+    let accepted = if task.trial.is_some() { flown_.begins.get(1) } else { None };
+    let flight = accepted.or(flown_.begins.first());
+    let flight = flight.map(|begin| flown(frames, *begin, rig, &task.scenario));
+    let last = task.trial.as_ref().and_then(|_| flown_.begins.get(2));
+    let tried = last.map(|begin| flown(frames, *begin, rig, &task.scenario));
     let simulated = flight.as_ref().map(|_| simulate(args, task)).transpose()?;
     if let (Some(path), Some(flight), Some(simulated)) = (&args.plot, &flight, &simulated) {
         let title =

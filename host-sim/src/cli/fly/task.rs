@@ -19,9 +19,9 @@ use twinrotor_station::image;
 use twinrotor_station::session::{Leg, Plan, Write};
 
 /// \[s\] Longest scenario that gains are tried in.
-const LONGEST_TRIAL: f64 = 500.0;
-/// \[s\] That a trial may take beside the scenario: to begin as warm as the flight before it did, and to end.
-const TRIAL_MARGIN: f64 = 100.0;
+const LONGEST_TRIAL: f64 = 540.0;
+/// \[s\] That a trial may take beside the scenario.
+const TRIAL_MARGIN: f64 = 60.0;
 
 /// What is to be flown.
 pub(super) struct Task {
@@ -167,6 +167,8 @@ pub(super) fn plan(args: &Args, task: &Task, simulated: bool) -> Outcome<Plan> {
     let fly = || Leg::Fly(task.scenario.references());
     let mut legs = vec![fly()];
     if let Some(trial) = &task.trial {
+        // What is compared begins with motors as warm: both flights come after one.
+        legs.push(fly());
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 10 minutes")]
         let revert_ms = ((task.scenario.duration + TRIAL_MARGIN) * 1e3) as u32;
         let controller = trial.settings(&task.named.rig).map(f32::from_f64).controller;
