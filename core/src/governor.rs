@@ -19,10 +19,10 @@
 //! - **The error** that the law sees is at most the reach, and less with warm motors. A motor whose current
 //!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
 //!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
-//!   die, and the motors cool. While a setpoint moves by itself, it shrinks as late as the motion does; where
-//!   no heat is known that would bound it, it is half of the reach then (`MOVING_ERROR`), since who is a whole
-//!   reach beyond a goal that turns has too little of the way left to be caught on. While the bound is in
-//!   force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only
+//!   die, and the motors cool. While a setpoint moves by itself, it shrinks as late as the motion does;
+//!   where no heat is known that would bound it, it is half of the reach then (`MOVING_ERROR`), since who is
+//!   a whole reach beyond a goal that turns has too little of the way left to be caught on. While the bound
+//!   is in force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full again only
 //!   after `RECOVERY` seconds.
 //! - **Pitch** stays where the motors can hold it for long ([`StaticReach`]).
 //!
@@ -120,7 +120,7 @@ pub struct Leave<R> {
 }
 
 impl<R: Real> Leave<R> {
-    /// With a `limit` where the motors are known, for a governor that counts the room for motion `ease` times.
+    /// With a `limit` where the motors are known, for a governor that counts motion's room `ease` times.
     #[inline(always)]
     fn new(limit: Option<&CurrentLimit<R>>, ease: R) -> Self {
         let one = R::one();

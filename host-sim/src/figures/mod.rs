@@ -57,8 +57,8 @@ pub fn comparison(title: &str, flights: [(&str, &Flight); 2], limit: PerMotor<f6
     }
 }
 
-/// How many rows show all that happens: twice the slower settling time where both axes settle and nothing more
-/// is asked for afterwards, else all.
+/// How many rows show all that happens: twice the slower settling time where both axes settle and nothing is
+/// asked for afterwards, else all.
 fn shown(flight: &Flight) -> usize {
     let (pitch, yaw) = (&flight.report.pitch, &flight.report.yaw);
     let all = flight.rows.len();

@@ -110,8 +110,8 @@ fn no_reference_tumbles_a_rig() {
         None => (scenes::some(), 15),
     };
     println!(
-        "preset: flights, left the envelope, swing afterwards, of these by the count, feasible, of these with \
-         over 15 % of error"
+        "preset: flights, left the envelope, swing afterwards, of these by the count, feasible, of these \
+         with over 15 % of error"
     );
     for (name, rig) in presets::ALL {
         // `paper-fixed`, which has no thermal limit, flies when it is asked for (docs/rig-law.md).
