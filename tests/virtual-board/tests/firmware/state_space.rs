@@ -1,5 +1,5 @@
-//! A law of matrices on the board: over the line into flash and back, in the air as on the host, tried in
-//! flight beside another, and in the time of a tick.
+//! A law of matrices on the board: over the line into flash and back, in the air as on the host, and in the
+//! time of a tick.
 
 use twinrotor::law::{LawSettings, Signal, StateSpaceGains};
 use twinrotor::link::{Nonce, Refusal, ToBoard};
