@@ -268,11 +268,11 @@ fn it_lies_where_the_memory_map_says() {
     for section in
         elf.sections().filter(|s| s.size() > 0 && (0x2000_0000..0x2002_0000).contains(&s.address()))
     {
-        assert!(section.address() >= 0x2000_4000, "{:?} lies in the stack", section.name());
+        assert!(section.address() >= 0x2000_A000, "{:?} lies in the stack", section.name());
     }
     let vectors = elf.section_by_name(".vector_table").expect("a vector table");
     assert_eq!(vectors.address(), 0x0800_0000);
-    assert_eq!(vectors.data().expect("readable")[..4], 0x2000_4000_u32.to_le_bytes());
+    assert_eq!(vectors.data().expect("readable")[..4], 0x2000_A000_u32.to_le_bytes());
 }
 
 /// \[byte\] Loadable, and static RAM.

@@ -9,6 +9,7 @@ use crate::tuner::Tuner;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::law::LawSettings;
 use twinrotor::plant::presets;
 use twinrotor::supervisor;
 use twinrotor_sim::gains_file::GainsFile;
@@ -246,7 +247,11 @@ pub fn at_desk(desk: &mut Desk, request: Request) -> Outcome<Value> {
         Request::Recall { number } => desk.tuning().recall(number)?,
         Request::Load { gains_toml } => {
             let file = GainsFile::parse("gains", &gains_toml)?;
-            desk.require_stable(&file)?;
+            if let LawSettings::StateSpace(_) = file.controller.law {
+                let why =
+                    "a law of matrices has no settings to move here: fly it by host-sim fly --gains FILE";
+                return Err(Error::Unusable(why.to_owned()));
+            }
             desk.tuning().draw("a gains file", file.controller);
         }
         Request::Export => return told(&desk.tuning().to_toml()),

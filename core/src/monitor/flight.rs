@@ -106,8 +106,11 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         // One NaN or infinity makes the sum one; rates, angles and demands of this world do not overflow it.
         let sum = (angle.pitch + angle.yaw) + (rate.pitch + rate.yaw) + (demand.main + demand.tail);
         // In flight alone: the tick that arms is the longest.
-        if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 && seen.armed {
-            self.contradicted = self.motion.disagrees(seen);
+        if seen.armed {
+            self.motion.turned(rate.pitch);
+            if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 {
+                self.contradicted = self.motion.disagrees(seen);
+            }
         }
         Wrong { jumped, steep, fast, finite: sum.is_finite() }
     }

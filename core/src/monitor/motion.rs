@@ -12,9 +12,11 @@
 //!
 //! # Equations
 //!
-//! Every T = [`MOTION_EVERY`] ticks; v estimated rate, θ its pitch, V_a volts applied; names as in the code.
+//! Every T = [`MOTION_EVERY`] ticks; v estimated rate, θ its pitch, V_a volts applied; names as in the
+//! code.
 //!
 //! ```text
+//! v           = in pitch its mean over these T: the rate of a loop that hammers may do so in step with them
 //! volts      <- V_a + rotor_decay (volts - V_a)               volts in effect
 //! accel       = (torque(volts, V_a - volts) - D v - (m g L + K_sp θ, 0)) / I
 //! push       <- keep push + T accel                           accel W/(s W + 1), W = MOTION_WINDOW
@@ -100,6 +102,8 @@ pub(super) struct Motion<R: Real> {
     step: R,
     /// \[rad\] Below this pitch the rig may lie on its stop.
     stop: R,
+    /// \[rad/s\] Sum of the pitch rates since the last comparison.
+    pitch_rates: R,
     /// \[V\] In effect.
     volts: PerMotor<R>,
     slow_rate: PerAxis<R>,
@@ -145,6 +149,7 @@ impl<R: Real<Scalar = f32>> Motion<R> {
             } else {
                 f32::NEG_INFINITY
             }),
+            pitch_rates: R::zero(),
             volts: PerMotor::zero(),
             slow_rate: PerAxis::zero(),
             push: PerAxis::zero(),
@@ -160,6 +165,7 @@ impl<R: Real<Scalar = f32>> Motion<R> {
     }
 
     pub(super) fn restart(&mut self, pitch: R) {
+        self.pitch_rates = R::zero();
         self.volts = PerMotor::zero();
         self.slow_rate = PerAxis::zero();
         self.push = PerAxis::zero();
@@ -178,10 +184,20 @@ impl<R: Real<Scalar = f32>> Motion<R> {
         *yaw = yaw.plus(counts.yaw);
     }
 
+    /// Of every tick in flight.
+    #[inline(always)]
+    pub(super) fn turned(&mut self, pitch_rate: R) {
+        self.pitch_rates = self.pitch_rates + pitch_rate;
+    }
+
     /// Of every [`MOTION_EVERY`]th.
     #[inline(always)]
     pub(super) fn disagrees(&mut self, seen: &Seen<R>) -> PerAxis<R::Mask> {
-        let Seen { angle, rate, applied, .. } = *seen;
+        let Seen { angle, applied, .. } = *seen;
+        #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
+        let share = R::splat(1.0 / MOTION_EVERY as f32);
+        let rate = PerAxis::new(self.pitch_rates * share, seen.rate.yaw);
+        self.pitch_rates = R::zero();
         self.volts = follow(self.volts, applied, self.rotor_decay);
         let torque = self.rotors.torque(self.volts, applied.minus(self.volts));
         let late = self.late.step(torque, self.keep);

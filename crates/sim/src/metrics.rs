@@ -220,8 +220,10 @@ impl<R: Real> Response<R> {
     }
 
     fn report(&self, lane: usize, last: u32, sample_time: f64, integrals: [f64; 3]) -> AxisReport {
+        // A flight may have been ended before its last step.
+        let step = self.step.filter(|step| step.tick <= last);
         let settled = |band: usize| {
-            let ticks = self.settling[band].time(lane, last - self.step?.tick)?;
+            let ticks = self.settling[band].time(lane, last - step?.tick)?;
             Some(ticks * sample_time)
         };
         let overshoot: f64 = self.overshoot.most.lane(lane).into();
@@ -230,7 +232,7 @@ impl<R: Real> Response<R> {
             settling_time_2: settled(0),
             settling_time_5: settled(1),
             // Adding zero makes a negative zero positive.
-            overshoot_percent: self.step.map(|s| 100.0 * overshoot / (s.to - s.from).abs() + 0.0),
+            overshoot_percent: step.map(|s| 100.0 * overshoot / (s.to - s.from).abs() + 0.0),
             final_error_deg: final_error.to_degrees(),
             ise: integrals[0],
             iae: integrals[1],

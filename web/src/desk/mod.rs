@@ -120,15 +120,6 @@ impl Desk {
         Ok(Self::with(choice.preset.clone(), rig, Some(bench), parameters, tuning))
     }
 
-    /// Refuses a law of matrices whose loop on this rig is unstable.
-    ///
-    /// # Errors
-    ///
-    /// See [`GainsFile::require_stable`].
-    pub fn require_stable(&self, file: &GainsFile) -> Outcome<()> {
-        file.require_stable(&self.preset, &self.rig)
-    }
-
     fn with(preset: String, rig: Rig, bench: Option<Bench>, parameters: Parameters, tuning: Tuning) -> Self {
         let mut client = Client::new();
         client.resynchronise();

@@ -90,6 +90,10 @@ impl<R: Real> StateSpace<R> {
     #[cfg_attr(target_os = "none", cold, inline(never))]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn act(&mut self, seen: &Seen<'_, R>) -> PerAxis<R> {
+        // Where there are none, none is read, and none takes room.
+        if MOST_STATES == 0 {
+            return PerAxis::zero();
+        }
         for (input, signal) in self.input.iter_mut().zip(self.gains.signals()) {
             *input = signal.of(seen);
         }
@@ -117,6 +121,9 @@ impl<R: Real> StateSpace<R> {
     #[cfg_attr(target_os = "none", cold, inline(never))]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn advance(&mut self, missing: PerMotor<R>) {
+        if MOST_STATES == 0 {
+            return;
+        }
         let order = self.gains.order();
         let mut next = [R::zero(); MOST_STATES];
         for ((next, row), through) in next.iter_mut().zip(&self.gains.a).zip(&self.gains.b).take(order) {
