@@ -57,7 +57,8 @@ def sampled(a: Array, b: Array) -> tuple[Array, Array]:
 
 def riccati(a: Array, b: Array, q: Array, r: Array) -> Array:
     """The gain K of u = -K x, by its iteration to a standstill."""
-    p, gain = q, np.zeros((b.shape[1], a.shape[0]))
+    p: Array = q
+    gain: Array = np.zeros((b.shape[1], a.shape[0]))
     for _ in range(200_000):
         new = np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a)
         if np.allclose(new, gain, rtol=1e-12, atol=0.0):
