@@ -60,7 +60,7 @@ def riccati(a: Array, b: Array, q: Array, r: Array) -> Array:
     p: Array = q
     gain: Array = np.zeros((b.shape[1], a.shape[0]))
     for _ in range(200_000):
-        new = np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a)
+        new: Array = np.asarray(np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a), dtype=np.float64)
         if np.allclose(new, gain, rtol=1e-12, atol=0.0):
             break
         gain, p = new, q + a.T @ p @ (a - b @ new)
