@@ -154,9 +154,7 @@ impl GainsFile {
             -pole
         )))
     }
-}
 
-impl GainsFile {
     /// The same before a flight in one of the two worlds: in the paper's the rotors have no lag.
     ///
     /// # Errors
