@@ -175,19 +175,17 @@ fn conclude(
     } else {
         None
     };
-    // Before a trial the accepted gains fly twice: the first flight warms the motors.
-    let accepted = if task.trial.is_some() { flown_.begins.get(1) } else { None };
-    let flight = accepted.or(flown_.begins.first());
-    let flight = flight.map(|begin| flown(frames, *begin, rig, &task.scenario));
-    let last = task.trial.as_ref().and_then(|_| flown_.begins.get(2));
-    let tried = last.map(|begin| flown(frames, *begin, rig, &task.scenario));
+    let nth = |k: usize| flown_.begins.get(k).map(|begin| flown(frames, *begin, rig, &task.scenario));
+    // The first flight is one with cold motors, as the simulation's; it warms them for those of a trial.
+    let flight = nth(0);
+    let (accepted, tried) = if task.trial.is_some() { (nth(1), nth(2)) } else { (None, None) };
     let simulated = flight.as_ref().map(|_| simulate(args, task)).transpose()?;
     if let (Some(path), Some(flight), Some(simulated)) = (&args.plot, &flight, &simulated) {
         let title =
             format!("{}, scenario {}, {} gains", task.named.name, task.scenario.name, task.gains_name);
-        let flights = match &tried {
-            Some(tried) => [("accepted", flight), ("tried", tried)],
-            None => [("simulated", simulated), ("flown", flight)],
+        let flights = match (&accepted, &tried) {
+            (Some(accepted), Some(tried)) => [("accepted", accepted), ("tried", tried)],
+            _ => [("simulated", simulated), ("flown", flight)],
         };
         let figure = figures::comparison(&title, flights, rig.volts_limit);
         outputs.write(path, &figure::bytes(&figure, path)?);
@@ -226,7 +224,8 @@ fn conclude(
         frames_dropped: flown_.health.map(|health| health.frames_dropped),
         flown: flight.as_ref().map(|flight| flight.report),
         simulated: simulated.as_ref().map(|flight| flight.report),
-        tried: tried.as_ref().map(|flight| flight.report),
+        accepted: accepted.map(|flight| flight.report),
+        tried: tried.map(|flight| flight.report),
         difference: flight.as_ref().zip(simulated.as_ref()).map(|(a, b)| Differences::new(a, b)),
         verified_ticks: verified.as_ref().and_then(|verified| verified.as_ref().ok()).copied(),
         record,

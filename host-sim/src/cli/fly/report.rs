@@ -60,6 +60,7 @@ pub(super) struct Document<'a> {
     pub(super) frames_dropped: Option<u32>,
     pub(super) flown: Option<Report>,
     pub(super) simulated: Option<Report>,
+    pub(super) accepted: Option<Report>,
     pub(super) tried: Option<Report>,
     pub(super) difference: Option<Differences>,
     pub(super) verified_ticks: Option<usize>,
@@ -82,8 +83,9 @@ impl Document<'_> {
                 pitch.rms_deg, pitch.worst_deg, yaw.rms_deg, yaw.worst_deg
             );
         }
-        if let (Some(flown), Some(tried)) = (&self.flown, &self.tried) {
-            let _ = writeln!(text, "\n{}", side_by_side(flown, tried));
+        if let (Some(accepted), Some(tried)) = (&self.accepted, &self.tried) {
+            let _ =
+                writeln!(text, "\nwith motors that one flight has warmed\n{}", side_by_side(accepted, tried));
         }
         if let Some(ticks) = self.verified_ticks {
             let _ = writeln!(text, "bit for bit equal to the host over {ticks} ticks");
