@@ -44,9 +44,12 @@ const CRAWL: f64 = 0.12;
 /// \[-\] Room below the continuous limit's heat at which a setpoint's own motion begins to be bounded more.
 const WARM: f64 = 0.12;
 /// \[-\] Of that room, what is kept in any case.
-const MARGIN: f64 = 0.04;
+const MARGIN: f64 = 0.02;
 /// \[-\] Least share of the reach that an error is taken for.
 const LEAST_ERROR: f64 = 0.03;
+/// \[-\] The same while the setpoint moves by itself: what rotors quicker than believed need to follow a sine
+/// that the motors can just bear.
+const LEAST_MOVING_ERROR: f64 = 0.08;
 /// \[-\] Of the reach, what an error counts to while the setpoint moves by itself and no heat bounds it.
 const MOVING_ERROR: f64 = 0.5;
 /// \[-\] Most by which the room that heat leaves for motion may count for more.
@@ -135,7 +138,7 @@ impl<R: Real> Leave<R> {
             reach,
             motion: share(room * ease - R::from_f64(MARGIN), WARM),
             error: (reach * reach).max(R::from_f64(LEAST_ERROR)),
-            moving_error: (eased * eased).max(R::from_f64(LEAST_ERROR)),
+            moving_error: (eased * eased).max(R::from_f64(LEAST_MOVING_ERROR)),
         }
     }
 }
