@@ -346,7 +346,12 @@ pub struct Report {
 impl Report {
     /// The paper's objective, both axes together.
     pub fn ise(&self) -> f64 {
-        self.pitch.ise + self.yaw.ise
+        self.integral(Criterion::Ise)
+    }
+
+    /// Any of the three, both axes together.
+    pub fn integral(&self, criterion: Criterion) -> f64 {
+        self.pitch.integral(criterion) + self.yaw.integral(criterion)
     }
 }
 
@@ -367,6 +372,16 @@ pub struct AxisReport {
     pub iae: f64,
     /// \[rad s²\] ∫ t |e| dt.
     pub itae: f64,
+}
+
+impl AxisReport {
+    const fn integral(&self, criterion: Criterion) -> f64 {
+        match criterion {
+            Criterion::Ise => self.ise,
+            Criterion::Iae => self.iae,
+            Criterion::Itae => self.itae,
+        }
+    }
 }
 
 /// One motor in numbers.

@@ -1,5 +1,6 @@
 //! `tune` on an integral of the error: the paper's law over one scenario.
 
+use super::beside::{Beside, What};
 use super::report::{document, name_of, summary};
 use super::request::{Request, left};
 use crate::cli::choices;
@@ -138,7 +139,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     drop(listening);
     if stop::requested() || end == End::Device {
         if request.json {
-            print_json(&document(&task, &search, &found))?;
+            print_json(&document(&task, &search, &found, None))?;
         }
         return left(request, &search, outputs);
     }
@@ -148,15 +149,22 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     let drawn = figures::comparison(&task.title(), pair, named.rig.volts_limit);
     outputs.write(plot, &figure::bytes(&drawn, plot)?);
 
+    let paper = objective.cost(&GainsFile::paper());
+    let mut before = vec![(What::Paper, "the paper's gains".to_owned(), paper)];
+    before.extend(request.own().map(|(name, gains)| {
+        let cost = task.fly_in(&gains, *fidelity).map_or(f64::INFINITY, |f| f.report.integral(criterion));
+        (What::Own, name, cost)
+    }));
+    let beside = Beside::new(best.cost, search.evaluations(), request.out, before);
     if request.json {
-        print_json(&document(&task, &search, &found))?;
+        print_json(&document(&task, &search, &found, Some(&beside)))?;
     } else {
         let each_core = match fidelity {
             Fidelity::Ideal => device::IDEAL_FLIGHTS,
             Fidelity::Rig => device::RIG_FLIGHTS,
         };
         let note = request.found.note(request.generation(), each_core);
-        let summary = summary(&task, &search, &objective, &found, &flown);
+        let summary = summary(&task, &search, paper, &found, &flown, &beside);
         print(&format!("{summary}{}{note}", outputs.unwritten()))?;
     }
     outputs.done()

@@ -1,5 +1,6 @@
 //! What `tune` reports.
 
+use super::beside::Beside;
 use super::integral::Task;
 use super::request::Request;
 use crate::cli::tables;
@@ -12,7 +13,6 @@ use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::scenario::SAMPLE_TIME;
-use twinrotor_tune::integral::Objective;
 use twinrotor_tune::search::{Effort, Search};
 
 /// A gain this near to a bound (part of the range) is probably held there by it.
@@ -67,15 +67,24 @@ pub(super) struct Document<'a> {
     objective: Criterion,
     scenario: &'a str,
     fidelity: Fidelity,
+    /// Not known of a search that was interrupted.
+    #[serde(flatten)]
+    beside: Option<&'a Beside>,
     gains: &'a GainsFile,
 }
 
-pub(super) fn document<'a>(task: &'a Task<'a>, search: &'a Search, found: &'a GainsFile) -> Document<'a> {
+pub(super) fn document<'a>(
+    task: &'a Task<'a>,
+    search: &'a Search,
+    found: &'a GainsFile,
+    beside: Option<&'a Beside>,
+) -> Document<'a> {
     Document {
         run: Run::new(task.request, search, task.scenario.duration),
         objective: task.criterion,
         scenario: &task.scenario.name,
         fidelity: task.fidelity,
+        beside,
         gains: found,
     }
 }
@@ -83,14 +92,14 @@ pub(super) fn document<'a>(task: &'a Task<'a>, search: &'a Search, found: &'a Ga
 pub(super) fn summary(
     task: &Task<'_>,
     search: &Search,
-    objective: &Objective,
+    paper: f64,
     found: &GainsFile,
     flown: &[Flight; 2],
+    beside: &Beside,
 ) -> String {
     let request = task.request;
     let mut text = String::new();
     let objective_name = name_of(task.criterion).to_uppercase();
-    let paper = objective.cost(&GainsFile::paper());
     let best = search.best().map_or(f64::INFINITY, |b| b.cost);
     let Effort { simulated, skipped, diverged } = search.effort();
     let _ = writeln!(
@@ -122,6 +131,7 @@ pub(super) fn summary(
     );
     flight_rows(&mut table, flown);
     let _ = writeln!(text, "{table}");
+    text.push_str(&beside.text(&objective_name));
     text.push_str(&bound_warnings(task.bounds, found));
     text.push_str(&in_the_rigs_world(task, found, &objective_name));
     let _ = writeln!(text, "gains:   {}\nfigure:  {}", request.out.display(), task.plot.display());
