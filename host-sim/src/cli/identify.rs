@@ -2,6 +2,7 @@
 
 use super::common::{Checkpoint, Common, End, beside};
 use super::fitted::{Fitted, gains};
+use super::next::next;
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::residuals::residuals;
@@ -251,8 +252,8 @@ fn torques([found, preset]: [&PlantParameters<f64>; 2]) -> tables::Table {
 fn change(value: f64, preset: f64) -> String {
     let percent = 100.0 * (value - preset) / preset.abs();
     match percent.abs() {
-        _ if value == preset => "none".to_owned(),
-        _ if preset == 0.0 => "from 0".to_owned(),
+        _ if value.total_cmp(&preset).is_eq() => "none".to_owned(),
+        _ if preset.abs() == 0.0 => "from 0".to_owned(),
         0.0..1e3 => format!("{percent:+.1} %"),
         1e3..1e5 => format!("{percent:+.0} %"),
         _ => format!("{percent:+.0e} %"),
@@ -311,11 +312,9 @@ fn summary(
         let _ = writeln!(text, "next:    {} ({})", in_words(suggestion), path.display());
     }
     let _ = writeln!(text, "preset:  {}\nfigure:  {}", args.out.display(), plot.display());
-    let _ = writeln!(
-        text,
-        "tune it: cargo run --release -p host-sim tune --preset {} --objective robust",
-        args.out.display()
-    );
+    let tune = next("tune").with("--preset", args.out.display()).with("--objective", "robust");
+    let tune = tune.board(args.common.board);
+    let _ = writeln!(text, "tune it: {tune}");
     text
 }
 

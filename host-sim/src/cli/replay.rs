@@ -1,6 +1,7 @@
 //! `replay`: a log through the firmware's estimator and law.
 
 use super::common::{Common, drawn};
+use super::next::next;
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::replay::figure as drawing;
@@ -79,7 +80,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let samples = replay::samples(&log, &named.rig, scenario.as_ref());
     let replayed = replay::replay(&parameters, &samples);
     let on_board =
-        args.port.as_ref().map(|port| on_board(port, &parameters, &samples, &replayed)).transpose()?;
+        args.port.as_ref().map(|port| on_board(port, args, &parameters, &samples, &replayed)).transpose()?;
     let (rows, report) = replay::compare(&log, &samples, &replayed);
     let title = format!("{} through {} gains on {}", log.name, args.gains, named.name);
     if let Some(path) = &args.plot {
@@ -96,13 +97,20 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 }
 
 /// The same on the board at `port`, whose answers must be the same.
-fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Replayed]) -> Outcome<String> {
+fn on_board(
+    port: &str,
+    args: &Args,
+    parameters: &Parameters,
+    samples: &[Sample],
+    here: &[Replayed],
+) -> Outcome<String> {
     let mut board = Board::new(line::open(port)?.1);
     let identity = board.identify()?;
     if !board.keeps(parameters)? {
+        let flash = next("flash").of(&args.gains).with("--preset", &args.common.preset).with("--port", port);
+        let flash = flash.board(args.common.board);
         return Err(Failure::Run(format!(
-            "the board at {port} keeps other parameters than these gains and this preset make: host-sim \
-             flash GAINS --preset PRESET --port {port}"
+            "the board at {port} keeps other parameters than these gains and this preset make: {flash}"
         )));
     }
     let there = board.replay(samples)?;

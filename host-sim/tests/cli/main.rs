@@ -8,6 +8,8 @@ mod logs;
 mod manual;
 mod map;
 mod matrices;
+#[cfg(unix)]
+mod next;
 mod panics;
 mod robust;
 mod searches;

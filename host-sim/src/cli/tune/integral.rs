@@ -48,6 +48,9 @@ pub(super) struct Task<'a> {
     pub(super) request: &'a Request<'a>,
     pub(super) criterion: Criterion,
     pub(super) scenario: Scenario,
+    /// As it was typed.
+    pub(super) scenario_name: String,
+    pub(super) horizon: Option<f64>,
     pub(super) fidelity: Fidelity,
     pub(super) bounds: [f64; 2],
     pub(super) plot: PathBuf,
@@ -81,7 +84,8 @@ impl Args {
     }
 
     fn resolve<'a>(&self, request: &'a Request<'a>, criterion: Criterion) -> Outcome<Task<'a>> {
-        let mut scenario = files::scenario(self.scenario.as_deref().unwrap_or("step"))?;
+        let scenario_name = self.scenario.clone().unwrap_or_else(|| "step".to_owned());
+        let mut scenario = files::scenario(&scenario_name)?;
         if let Some(horizon) = self.horizon {
             scenario.duration = at_least("--horizon", horizon, 0.0, true)?;
         }
@@ -98,7 +102,8 @@ impl Args {
                 scenario.name
             )));
         }
-        Ok(Task { request, criterion, scenario, fidelity, bounds, plot })
+        let horizon = self.horizon;
+        Ok(Task { request, criterion, scenario, scenario_name, horizon, fidelity, bounds, plot })
     }
 }
 

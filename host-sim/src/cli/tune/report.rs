@@ -3,11 +3,11 @@
 use super::beside::Beside;
 use super::integral::Task;
 use super::request::Request;
+use crate::cli::next::next;
 use crate::cli::tables;
 use crate::error::Outcome;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::Path;
 use twinrotor::gains::{self, NAMES};
 use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
@@ -135,12 +135,15 @@ pub(super) fn summary(
     text.push_str(&bound_warnings(task.bounds, found));
     text.push_str(&in_the_rigs_world(task, found, &objective_name));
     let _ = writeln!(text, "gains:   {}\nfigure:  {}", request.out.display(), task.plot.display());
-    let _ = writeln!(text, "fly it:  cargo run -p host-sim simulate --gains {}", shown(request.out));
+    let fly = next("simulate").unless("paper", "--preset", &request.named.name);
+    let fly = fly.with("--gains", request.out.display()).unless("step", "--scenario", &task.scenario_name);
+    let fly = fly.unless("ideal", "--fidelity", format!("{:?}", task.fidelity).to_lowercase());
+    let fly = task.horizon.map_or(fly.clone(), |seconds| fly.with("--duration", seconds));
+    let fly = fly.board(request.named.rig.board);
+    let lag = request.rotor_lag().filter(|_| task.fidelity == Fidelity::Rig);
+    let fly = lag.map_or(fly.clone(), |seconds| fly.with("--rotor-lag", seconds));
+    let _ = writeln!(text, "fly it:  {fly}");
     text
-}
-
-fn shown(path: &Path) -> String {
-    path.display().to_string()
 }
 
 fn gain_rows(table: &mut tables::Table, found: &GainsFile) {

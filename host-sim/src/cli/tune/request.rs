@@ -97,6 +97,11 @@ impl<'a> Request<'a> {
         })
     }
 
+    /// Another lag of the rotors than the preset's.
+    pub(super) fn rotor_lag(&self) -> Option<f64> {
+        self.shared.common.rotor_lag
+    }
+
     /// What a board flies the preset with, and what that is called; a rig of one's own has none.
     pub(super) fn own(&self) -> Option<(String, GainsFile)> {
         let name = &self.named.name;

@@ -5,6 +5,7 @@ use super::proof::Proof;
 use super::report::Run;
 use super::request::{Request, left};
 use crate::cli::common::{End, Spreads, no_effect, within};
+use crate::cli::next::next;
 use crate::cli::{choices, print, print_json, tables};
 use crate::device;
 use crate::error::{Failure, Outcome};
@@ -318,7 +319,8 @@ fn summary(
     let out = request.out.display();
     let minimised = beside.text("J, raised where a limit is not kept");
     let _ = writeln!(text, "{table}\n{minimised}gains: {out}");
-    let preset = &request.named.name;
-    let _ = writeln!(text, "fly it: cargo run --release -p host-sim -- fly --preset {preset} --gains {out}");
+    let fly = next("fly").with("--preset", &request.named.name).with("--gains", out);
+    let fly = fly.board(request.named.rig.board);
+    let _ = writeln!(text, "fly it: {fly}");
     text
 }
