@@ -132,7 +132,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         print_json(&Document { course: &course, wall_s, findings: &findings, suggestion })?;
     } else {
         let (logs, windows) = (evidence.runs.len(), course.windows);
-        let heading = format!("{logs} logs, {windows} windows of {} s, {wall_s:.1} s", window);
+        let heading = format!(
+            "{logs} logs, from preset {}, {windows} windows of {window} s, {wall_s:.1} s\n{}",
+            named.name,
+            args.common.unsaid(None)
+        );
         let summary = summary(
             args,
             &heading,
@@ -269,7 +273,7 @@ fn summary(
     plants: [&PlantParameters<f64>; 2],
 ) -> String {
     let Findings { parameters, fits, notes } = findings;
-    let mut text = format!("{heading}\n");
+    let mut text = heading.to_owned();
     let mut table = tables::table(&["constant", "value", "preset", "change", "95 % interval", "unit"]);
     for p in parameters {
         let interval = match p.ci95 {

@@ -209,3 +209,34 @@ fn a_log_tells_the_terms_of_a_body_that_is_no_point() {
         }
     }
 }
+
+/// What nobody has chosen is told in a line, with what chooses it; what was chosen is not.
+#[test]
+fn the_preset_and_gains_that_are_taken_by_default_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../gains/aero2.toml").display().to_string();
+    let fly = ["simulate", "--preset", "aero2", "--gains", &own, "--fidelity", "rig", "--log", "run.csv"];
+    assert!(host_sim(folder.path(), &fly).status.success());
+    let told = |args: &[&str]| {
+        let output = host_sim(folder.path(), args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        (text.lines().nth(1).unwrap().to_owned(), text)
+    };
+    for command in [&["simulate"][..], &["replay", "run.csv"], &["margins"]] {
+        let with = |more: &[&str]| told(&[command, more].concat()).0;
+        assert_eq!(
+            with(&[]),
+            "by default: preset paper, the paper's gains; --preset and --gains choose others"
+        );
+        assert_eq!(
+            with(&["--preset", "aero2"]),
+            "by default: the paper's gains; --gains chooses others (gains/aero2.toml: its own)"
+        );
+        assert_eq!(with(&["--gains", "paper"]), "by default: preset paper; --preset chooses another");
+        let (_, chosen) = told(&[command, &["--preset", "aero2", "--gains", &own]].concat());
+        assert!(!chosen.contains("by default"), "{chosen}");
+    }
+    let (_, other) = told(&["replay", "run.csv", "--preset", "aero", "--gains", &own]);
+    assert!(other.contains("note: these gains were tuned on 'aero2', not on 'aero'"), "{other}");
+}
