@@ -53,10 +53,11 @@ impl Common {
         self.preset.as_deref().unwrap_or(PAPER)
     }
 
-    /// What was taken for the rig, and for the `gains` of a command that flies some, because nothing was said:
-    /// a line that tells how others are chosen, or none where both were named.
+    /// What was taken for the rig, and for the `gains` of a command that flies some, because nothing was
+    /// said: a line that tells how others are chosen, or none where both were named.
     pub(super) fn unsaid(&self, gains: Option<&Option<String>>) -> String {
-        let own = defaults::named(self.preset()).map(|_| format!(" (gains/{}.toml: its own)", self.preset()));
+        let own = |_| format!(" (gains/{}.toml: its own)", self.preset());
+        let own = defaults::named(self.preset()).map(own);
         match (self.preset.is_none(), gains.is_some_and(Option::is_none)) {
             (true, true) => {
                 "by default: preset paper, the paper's gains; --preset and --gains choose others\n".to_owned()

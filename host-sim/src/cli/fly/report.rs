@@ -90,8 +90,9 @@ impl Document<'_> {
         if let Some(ticks) = self.verified_ticks {
             let _ = writeln!(
                 text,
-                "bit for bit equal to the host over {ticks} ticks: the board's own flight, computed once more \
-                 with\nwhat it was told and when; the simulation above is a flight of its own, which begins at level"
+                "bit for bit equal to the host over {ticks} ticks: the board's own flight, computed once \
+                 more with\nwhat it was told and when; the simulation above is a flight of its own, which \
+                 begins at level"
             );
         }
         let dropped = self.frames_dropped.map_or_else(String::new, |n| format!(", {n} dropped by the board"));

@@ -101,8 +101,8 @@ mod tests {
         use What::{Own, Paper, Start};
         assert_eq!(
             told(3.0, [(Start, 4.0), (Own, f64::INFINITY)]),
-            "J, which was minimised:\n      3.000000  tuned\n      4.000000  the start: x\n      diverges  the \
-             preset's own gains: x\nthe tuned gains are the best of these\n"
+            "J, which was minimised:\n      3.000000  tuned\n      4.000000  the start: x\n      diverges  \
+             the preset's own gains: x\nthe tuned gains are the best of these\n"
         );
         let none = |of: &str, holds: &str| {
             format!("\nnone of 7 candidates is better than {of}: g.toml holds {holds}\n")
