@@ -11,6 +11,7 @@ mod matrices;
 #[cfg(unix)]
 mod next;
 mod panics;
+mod recording;
 mod robust;
 mod searches;
 mod shards;
