@@ -123,7 +123,7 @@ fn gains_that_were_there_before_are_told_beside_what_was_found() {
         (String::from_utf8(output.stdout).unwrap(), fs::read_to_string(folder.path().join("g.toml")).unwrap())
     };
     let (told, file) = run(&["--start", &own, "--range", "1.0000000001"]);
-    assert!(told.contains("is better than the start: g.toml holds the start itself"), "{told}");
+    assert!(told.contains("is better than the start: the file holds the start itself"), "{told}");
     assert!(told.contains(&format!("the start: {own}, the preset's own gains")), "{told}");
     let numbers = |text: &str| text.split("[provenance]").next().unwrap().to_owned();
     assert_eq!(numbers(&file), numbers(&fs::read_to_string(&own).unwrap()));
@@ -131,7 +131,10 @@ fn gains_that_were_there_before_are_told_beside_what_was_found() {
     // Another start, and the preset's own are better than it.
     let (told, _) = run(&["--controller", "integral"]);
     assert!(told.contains("the preset's own gains: gains/aero2.toml"), "{told}");
-    assert!(told.contains("is better than the preset's own gains: g.toml holds the best of these"), "{told}");
+    assert!(
+        told.contains("is better than the preset's own gains: the file holds the best of these"),
+        "{told}"
+    );
     let (told, _) = run(&["--controller", "integral", "--json"]);
     let told: serde_json::Value = serde_json::from_str(&told).unwrap();
     let [start, own] = [0, 1].map(|k| &told["compared"][k]);

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::Path;
 
 /// Gains that were there before the search.
 #[derive(Debug, Serialize)]
@@ -47,12 +46,11 @@ pub(super) struct Beside {
 }
 
 impl Beside {
-    /// A search of so many candidates, the best of which costs `found` and is in `out`, beside what there was
+    /// A search of so many candidates, the best of which costs `found` and is written, beside what there was
     /// before: which gains, what they are called, and what they cost.
     pub(super) fn new(
         found: f64,
         candidates: usize,
-        out: &Path,
         before: impl IntoIterator<Item = (What, String, f64)>,
     ) -> Self {
         let compared = before.into_iter().map(|(what, gains, cost)| Before {
@@ -68,8 +66,8 @@ impl Beside {
             [] => "the tuned gains are the best of these".to_owned(),
             unbeaten => {
                 let names: Vec<&str> = unbeaten.iter().map(|what| what.words()).collect();
-                let (names, out) = (names.join(" and "), out.display());
-                format!("none of {candidates} candidates is better than {names}: {out} holds {holds}")
+                let names = names.join(" and ");
+                format!("none of {candidates} candidates is better than {names}: the file holds {holds}")
             }
         };
         Self { found, compared, verdict }
@@ -93,7 +91,7 @@ mod tests {
 
     fn told(found: f64, before: [(What, f64); 2]) -> String {
         let before = before.map(|(what, cost)| (what, "x".to_owned(), cost));
-        Beside::new(found, 7, Path::new("g.toml"), before).text("J")
+        Beside::new(found, 7, before).text("J")
     }
 
     #[test]
@@ -105,7 +103,7 @@ mod tests {
              the preset's own gains: x\nthe tuned gains are the best of these\n"
         );
         let none = |of: &str, holds: &str| {
-            format!("\nnone of 7 candidates is better than {of}: g.toml holds {holds}\n")
+            format!("\nnone of 7 candidates is better than {of}: the file holds {holds}\n")
         };
         let (start, best) = ("the start itself", "the best of these");
         for (found, before, told_so) in [

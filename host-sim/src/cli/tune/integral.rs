@@ -160,7 +160,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
         let cost = task.fly_in(&gains, *fidelity).map_or(f64::INFINITY, |f| f.report.integral(criterion));
         (What::Own, name, cost)
     }));
-    let beside = Beside::new(best.cost, search.evaluations(), request.out, before);
+    let beside = Beside::new(best.cost, search.evaluations(), before);
     if request.json {
         print_json(&document(&task, &search, &found, Some(&beside)))?;
     } else {

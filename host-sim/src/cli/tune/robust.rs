@@ -242,7 +242,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         Some((name, own)) => compared.push((What::Own, name, cost(&Tunable::new(&own.controller, &[])?))),
         None => {}
     }
-    let beside = Beside::new(best.cost, search.evaluations(), request.out, compared);
+    let beside = Beside::new(best.cost, search.evaluations(), compared);
     if request.json {
         print_json(&document(Some(&after), Some(&proof), Some(&beside)))?;
     } else {
