@@ -2,11 +2,11 @@
 
     python examples/record_aero.py --hardware 1 --out aero2.csv
 
-It sends steps of volts, open loop, and writes what the encoders showed before each of them, in the columns
-and units that ``identify`` and ``replay`` read: ``t,pitch,yaw,v0,v1`` in s, rad, rad, V, V. The card is that
-of ``aero_usb.py``, through Quanser's own library, and so is what ends a run: zero volts, amplifiers off. It
-never met a real rig: it is tested against a stand-in. ``--hardware 0`` is Quanser's virtual rig. Put the rig
-where pitch rests and yaw can turn, and keep a hand at the supply's switch.
+It sends short pulses of volts, open loop, and writes what the encoders showed before each write, in the
+columns and units that ``identify`` and ``replay`` read: ``t,pitch,yaw,v0,v1`` in s, rad, rad, V, V. The card
+is that of ``aero_usb.py``, through Quanser's own library, and so is what ends a run: zero volts, amplifiers
+off. It never met a real rig: it is tested against a stand-in. ``--hardware 0`` is Quanser's virtual rig. Put
+the rig where pitch rests and yaw can turn, and keep a hand at the supply's switch.
 """
 
 from __future__ import annotations
@@ -20,43 +20,53 @@ import numpy as np
 import twinrotor as tr
 from aero_usb import CARDS, TICK, AeroUsb
 
-#: From when on (s) how many volts go to the main and the tail motor: several sizes of either sign, each motor
-#: alone and both together, with time to swing in between.
-STEPS = [
-    (0.0, 0.0, 0.0),
-    (1.0, 8.0, 0.0),
-    (5.0, 0.0, 0.0),
-    (8.0, -6.0, 0.0),
-    (11.0, 0.0, 0.0),
-    (13.0, 0.0, 10.0),
-    (16.0, 0.0, -10.0),
-    (19.0, 0.0, 0.0),
-    (21.0, 5.0, 7.0),
-    (24.0, -4.0, -7.0),
-    (27.0, 12.0, -5.0),
-    (29.0, 0.0, 0.0),
+#: s between two pulses, in which the rig swings out.
+PAUSE = 2.0
+#: Volts of the main and of the tail motor, for how long (s), and whether the same follows with the other
+#: sign: short, since nothing holds the rig; of several sizes and signs, each motor alone and both together.
+PULSES = [
+    (6.0, 0.0, 0.25, False),
+    (-9.0, 0.0, 0.25, False),
+    (11.0, 0.0, 0.25, False),
+    (0.0, 6.0, 0.6, False),
+    (0.0, -9.0, 0.6, False),
+    (0.0, 12.0, 0.6, False),
+    (0.0, -12.0, 0.6, False),
+    (6.0, 8.0, 0.3, True),
+    (-10.0, 8.0, 0.3, True),
+    (8.0, -12.0, 0.3, True),
 ]
-#: s
-LASTS = 33.0
 #: rad of pitch, from where it rested; beyond it the run ends.
 MOST_PITCH = np.radians(35.0)
 
 
-def volts_at(seconds: float, scale: float) -> tuple[float, float]:
-    """What is sent then."""
-    _, main, tail = max(step for step in STEPS if step[0] <= seconds)
-    return scale * main, scale * tail
+def steps() -> list[tuple[float, float, float]]:
+    """From when on (s) how many volts are sent; with the last of them it is over."""
+    at, found = PAUSE / 2.0, [(0.0, 0.0, 0.0)]
+    for main, tail, lasts, back in PULSES:
+        for sign in (1.0, -1.0) if back else (1.0,):
+            found.append((at, sign * main, sign * tail))
+            at += lasts
+        found.append((at, 0.0, 0.0))
+        at += PAUSE
+    return [*found, (at, 0.0, 0.0)]
+
+
+def within(volts: float, most: float) -> float:
+    """What the amplifier gives."""
+    return max(-most, min(most, volts))
 
 
 def record(preset: str, hardware: bool, scale: float = 1.0) -> list[list[float]]:
     """Rows of t, pitch, yaw, v0, v1; fewer if pitch went too far."""
     constants = tr.Rig.of(preset).constants
-    turn = constants["encoder_counts"]
+    turn, most = constants["encoder_counts"], constants["volts_limit"]
+    course = steps()
     rows: list[list[float]] = []
     with AeroUsb(preset, hardware) as port:
         rest = port.read()
         begun = time.perf_counter()
-        for _ in range(round(LASTS / TICK)):
+        for _ in range(round(course[-1][0] / TICK)):
             counts = port.read()
             now = time.perf_counter() - begun
             pitch = 2.0 * np.pi * (counts[0] - rest[0]) / turn["pitch"]
@@ -64,7 +74,8 @@ def record(preset: str, hardware: bool, scale: float = 1.0) -> list[list[float]]
             if abs(pitch) > MOST_PITCH:
                 break
             # The row's own: what is sent after it was read, and stays until the next.
-            volts = volts_at(now, scale)
+            _, main, tail = max(step for step in course if step[0] <= now)
+            volts = (within(scale * main, most["main"]), within(scale * tail, most["tail"]))
             port.write(volts, True)
             rows.append([now, float(pitch), float(yaw), *volts])
     return rows
