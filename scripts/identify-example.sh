@@ -7,13 +7,13 @@ cd "$(dirname "$0")/.."
 
 example docs/identify.md
 
-"$host_sim" simulate --preset my.toml --true-rig aero-lab --fidelity rig --gains my-gains.toml \
+"$host_sim" simulate --preset lab.toml --true-rig aero-lab --fidelity rig --gains lab-gains.toml \
   --scenario excite.toml --json >flown.json
 python3 - <<'END'
 import json
 import tomllib
 
-mine = tomllib.load(open("my.toml", "rb"))["plant"]
+mine = tomllib.load(open("lab.toml", "rb"))["plant"]
 # Of the preset `aero-lab`: lag, and each motor's torque on its own axis at 10 V.
 lag, thrust = 0.15, {"main_on_pitch": 0.00965, "tail_on_yaw": 0.00862}
 print(mine["rotor_time_constant"], flown := json.load(open("flown.json"))["board"])

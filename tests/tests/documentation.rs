@@ -171,3 +171,40 @@ fn lines_wrap() {
     }
     assert!(wrong.is_empty(), "longer than {LINE} characters:\n{}", wrong.join("\n"));
 }
+
+/// What the commands of a page write: the flag's file, or a file that is typed in. Names in capitals stand
+/// for the reader's own.
+fn written(text: &str) -> Vec<String> {
+    let flags =
+        ["--out", "--record", "--log", "--csv", "--plot", "--image", "--suggest", "--export", "--report"];
+    let mut code = String::new();
+    let mut fenced = false;
+    for line in text.lines() {
+        let fence = line.starts_with("```");
+        fenced ^= fence;
+        if fenced && !fence {
+            code += &format!("{}\n", line.split(" # ").next().unwrap_or_default());
+        }
+    }
+    let words: Vec<&str> = code.split_whitespace().collect();
+    let writes = |pair: &[&str]| flags.contains(&pair[0]) || pair[0] == ">";
+    let names = words.windows(2).filter(|pair| writes(pair)).map(|pair| pair[1].to_owned());
+    names.filter(|name| name.contains('.') && name.contains(|c: char| c.is_ascii_lowercase())).collect()
+}
+
+/// Whoever follows two pages in one folder loses nothing of the first by the second.
+#[test]
+fn no_two_pages_write_the_same_file() {
+    let mut by_name: std::collections::BTreeMap<String, Vec<String>> = std::collections::BTreeMap::new();
+    for (document, text) in texts(&["md"]) {
+        // The program's own help shows many commands, each for itself.
+        if !document.starts_with("docs/") || document == "docs/commands.md" {
+            continue;
+        }
+        let names: std::collections::BTreeSet<String> = written(&text).into_iter().collect();
+        names.into_iter().for_each(|name| by_name.entry(name).or_default().push(document.clone()));
+    }
+    assert!(by_name.len() > 15, "{by_name:?}");
+    by_name.retain(|_, documents| documents.len() > 1);
+    assert!(by_name.is_empty(), "{by_name:?}");
+}

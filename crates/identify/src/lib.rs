@@ -60,6 +60,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// What fits best.
     pub value: f64,
+    /// What was believed before: the preset's.
+    pub preset: f64,
     /// SI.
     pub unit: &'static str,
     /// Least and most of the 95 % interval; none at a bound, or where the logs say nothing.
@@ -88,10 +90,10 @@ pub fn hold_measured_lags(
         let place = free.iter().position(|k| CONSTANTS[*k].name == name);
         let (Some(lag), Some(place), false) = (lag, place, freed.iter().any(|f| f == name)) else { continue };
         let index = free.remove(place);
-        values[index] = lag.value;
         found.push(Parameter {
             name,
             value: lag.value,
+            preset: std::mem::replace(&mut values[index], lag.value),
             unit: CONSTANTS[index].unit,
             ci95: Some([lag.value - lag.half_width, lag.value + lag.half_width]),
             identifiable: lag.half_width < lag.value,
@@ -172,6 +174,7 @@ pub fn parameters(problem: &Problem<'_>, found: &Guess) -> (Vec<Parameter>, Prec
         Parameter {
             name: CONSTANTS[*index].name,
             value,
+            preset: problem.base(*index),
             unit: CONSTANTS[*index].unit,
             ci95: interval.then_some([value - half, value + half]),
             identifiable: interval && half < value.abs().max(NARROW * (most - least)),

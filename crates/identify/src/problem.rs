@@ -97,6 +97,11 @@ impl<'a> Problem<'a> {
         &self.free
     }
 
+    /// A constant, by its place in [`CONSTANTS`], as it was before the fit.
+    pub fn base(&self, constant: usize) -> f64 {
+        self.base[constant]
+    }
+
     /// The runs themselves.
     pub fn logs(&self) -> &'a [Run] {
         self.runs

@@ -43,6 +43,12 @@ pub fn differences(here: &Parameters, there: &Parameters) -> Vec<Difference> {
     different
 }
 
+/// How many values a record has, but for whether the wiring has been checked.
+#[must_use]
+pub fn settings(parameters: &Parameters) -> usize {
+    leaves(parameters).keys().filter(|name| *name != "checked").count()
+}
+
 /// Every value of a record by its name. What is not there is left out.
 fn leaves(parameters: &Parameters) -> BTreeMap<String, String> {
     let mut leaves = BTreeMap::new();
@@ -85,6 +91,14 @@ mod tests {
     fn the_same_record_does_not_differ_whether_it_was_checked_or_not() {
         let checked = Parameters { checked: true, ..parameters() };
         assert_eq!(differences(&parameters(), &checked), []);
+    }
+
+    #[test]
+    fn no_more_can_differ_than_there_are() {
+        let mut other = parameters();
+        other.settings = other.settings.map(|x| 1.5 * x);
+        let (different, all) = (differences(&parameters(), &other).len(), settings(&parameters()));
+        assert!(different > 30 && different < all, "{different} of {all}");
     }
 
     #[test]

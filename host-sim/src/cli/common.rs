@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use twinrotor::axes::PerMotor;
 use twinrotor::board::{self, Board};
+use twinrotor::defaults;
 use twinrotor::plant::presets::Rig;
 use twinrotor::settings::LARGEST;
 use twinrotor_sim::Error;
@@ -19,12 +20,15 @@ use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::Scenario;
 use twinrotor_tune::robust::Scatter;
 
+/// The preset and the gains that are taken where none are named.
+pub(super) const PAPER: &str = "paper";
+
 /// Of every command that computes.
 #[derive(Debug, Args)]
 pub(super) struct Common {
-    /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own
-    #[arg(long, default_value = "paper", help_heading = "Rig")]
-    pub preset: String,
+    /// Rig: paper, paper-fixed, aero, aero2, aero-lab, heli, or a FILE.toml of your own [default: paper]
+    #[arg(long, help_heading = "Rig")]
+    preset: Option<String>,
     /// Board that flies it, which decides how fine its PWM is: f405, feather-f405, f407, black-pill,
     /// nucleo-f411, nucleo-f446 or nucleo-g474; acts with --fidelity rig
     #[arg(long, value_name = "NAME", default_value = "f405", value_parser = board, help_heading = "Rig")]
@@ -44,9 +48,31 @@ pub(super) struct Common {
 }
 
 impl Common {
+    /// As it was typed.
+    pub(super) fn preset(&self) -> &str {
+        self.preset.as_deref().unwrap_or(PAPER)
+    }
+
+    /// What was taken for the rig, and for the `gains` of a command that flies some, because nothing was
+    /// said: a line that tells how others are chosen, or none where both were named.
+    pub(super) fn unsaid(&self, gains: Option<&Option<String>>) -> String {
+        let own = |_| format!(" (gains/{}.toml: its own)", self.preset());
+        let own = defaults::named(self.preset()).map(own);
+        match (self.preset.is_none(), gains.is_some_and(Option::is_none)) {
+            (true, true) => {
+                "by default: preset paper, the paper's gains; --preset and --gains choose others\n".to_owned()
+            }
+            (true, false) => "by default: preset paper; --preset chooses another\n".to_owned(),
+            (false, true) => {
+                format!("by default: the paper's gains; --gains chooses others{}\n", own.unwrap_or_default())
+            }
+            (false, false) => String::new(),
+        }
+    }
+
     /// Reads the rig and sets the threads.
     pub(super) fn resolve(&self) -> Outcome<NamedRig> {
-        let mut named = files::rig(&self.preset)?;
+        let mut named = files::rig(self.preset())?;
         named.rig.board = self.board;
         if let Some(lag) = self.rotor_lag {
             named.rig.plant.rotor_time_constant = PerMotor::both(at_least("--rotor-lag", lag, 0.0, false)?);
@@ -61,7 +87,7 @@ impl Common {
     /// The rig's file and others that the flags named are read.
     pub(super) fn outputs(&self) -> Outputs {
         let mut outputs = Outputs::new();
-        outputs.reads("--preset", &self.preset);
+        outputs.reads("--preset", self.preset());
         outputs
     }
 }

@@ -1,6 +1,7 @@
 //! `flash`: gains onto a board.
 
 use super::common::{board, tuned_elsewhere};
+use super::next::next;
 use super::{print, print_json, tell};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -73,15 +74,17 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let done = match (&args.image, &args.port) {
         (Some(path), _) => write_image(path, &image)?,
         (None, Some(port)) => send(port, &parameters)?,
-        (None, None) => program(args, &image)?,
+        (None, None) => program(args, &named.name, &image)?,
     };
     if args.json {
         let bytes = image.len();
         print_json(&Document { preset: named.name, gains, address: AREA_ADDRESS, bytes, done, warning })
     } else {
         let first = if args.image.is_some() { "program it, then: " } else { "" };
-        let next = format!("{first}host-sim fly --port auto --preset {}", named.name);
-        print(&format!("{done}\nnext: {next} (docs/firmware.md has the first power-up)\n"))
+        let fly = next("fly").with("--port", args.port.as_deref().unwrap_or("auto"));
+        let fly = fly.with("--preset", &named.name).with("--gains", &args.gains);
+        let fly = fly.board(args.board);
+        print(&format!("{done}\nnext: {first}{fly}\n(docs/firmware.md has the first power-up)\n"))
     }
 }
 
@@ -145,7 +148,7 @@ fn send(name: &str, parameters: &Parameters) -> Outcome<String> {
 }
 
 /// By the probe, if there is one.
-fn program(args: &Args, image: &[u8]) -> Outcome<String> {
+fn program(args: &Args, preset: &str, image: &[u8]) -> Outcome<String> {
     let listed = Command::new("probe-rs").arg("list").output();
     let reason = match &listed {
         Err(_) => Some("the program probe-rs is not there"),
@@ -155,13 +158,14 @@ fn program(args: &Args, image: &[u8]) -> Outcome<String> {
         Ok(_) => None,
     };
     if let Some(reason) = reason {
+        let again = next("flash").of(&args.gains).with("--preset", preset).flag_if("--checked", args.checked);
+        let again = again.board(args.board);
         return Err(Failure::Run(format!(
-            "{reason}. To program by a probe elsewhere: `host-sim flash {gains} --preset {preset} --image \
-             parameters.bin`, then `probe-rs download --chip {chip} --binary-format bin --base-address \
-             {AREA_ADDRESS:#x} parameters.bin`. Over the serial link: `host-sim flash {gains} --preset \
-             {preset} --port DEVICE`",
-            gains = args.gains,
-            preset = args.preset.as_deref().unwrap_or("PRESET"),
+            "{reason}. To program by a probe elsewhere: `{image}`, then `probe-rs download --chip {chip} \
+             --binary-format bin --base-address {AREA_ADDRESS:#x} parameters.bin`. Over the serial link: \
+             `{link}`",
+            image = again.clone().with("--image", "parameters.bin"),
+            link = again.with("--port", "auto"),
             chip = args.chip,
         )));
     }

@@ -2,6 +2,7 @@
 
 use super::common::{Checkpoint, Common, End, beside};
 use super::fitted::{Fitted, gains};
+use super::next::next;
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::residuals::residuals;
@@ -17,6 +18,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use twinrotor::plant::presets::Rig;
+use twinrotor::plant::{Effectiveness, PlantParameters};
 use twinrotor_identify::identification::{Course, Evidence, Findings, LogFit, Report};
 use twinrotor_identify::log::{Columns, Log};
 use twinrotor_identify::problem::Problem;
@@ -130,8 +132,19 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         print_json(&Document { course: &course, wall_s, findings: &findings, suggestion })?;
     } else {
         let (logs, windows) = (evidence.runs.len(), course.windows);
-        let heading = format!("{logs} logs, {windows} windows of {} s, {wall_s:.1} s", window);
-        let summary = summary(args, &heading, &findings, suggestion.as_ref(), &plot);
+        let heading = format!(
+            "{logs} logs, from preset {}, {windows} windows of {window} s, {wall_s:.1} s\n{}",
+            named.name,
+            args.common.unsaid(None)
+        );
+        let summary = summary(
+            args,
+            &heading,
+            &findings,
+            suggestion.as_ref(),
+            &plot,
+            [&answer.rig.plant, &named.rig.plant],
+        );
         print(&format!("{summary}{}", outputs.unwritten()))?;
     }
     outputs.done()
@@ -215,25 +228,64 @@ fn in_words(suggestion: &Suggestion) -> String {
     )
 }
 
+/// \[V\] At which thrust is compared.
+const COMPARED_AT: f64 = 10.0;
+
+/// What the motors do by both parts of their thrust, which share it: either alone may lie far from its
+/// preset's where the sum does not.
+fn torques([found, preset]: [&PlantParameters<f64>; 2]) -> tables::Table {
+    let heading = format!("torque at {COMPARED_AT} V [N m]");
+    let mut table = tables::table(&[&heading, "value", "preset", "change"]);
+    let at = |plant: &PlantParameters<f64>| plant.effectiveness_at(COMPARED_AT).map(|k| k * COMPARED_AT);
+    let pairs = at(found).zip(at(preset), |value, preset| [value, preset]);
+    let Effectiveness { main_on_pitch, tail_on_pitch, main_on_yaw, tail_on_yaw } = pairs;
+    for (name, [value, preset]) in [
+        ("main on pitch", main_on_pitch),
+        ("tail on pitch", tail_on_pitch),
+        ("main on yaw", main_on_yaw),
+        ("tail on yaw", tail_on_yaw),
+    ] {
+        let numbers = [value, preset].map(|x| format!("{x:.4e}"));
+        let [shown, before] = numbers;
+        tables::add(&mut table, [name.to_owned(), shown, before, change(value, preset)]);
+    }
+    table
+}
+
+/// How far a constant lies from what was believed before.
+fn change(value: f64, preset: f64) -> String {
+    let percent = 100.0 * (value - preset) / preset.abs();
+    match percent.abs() {
+        _ if value.total_cmp(&preset).is_eq() => "none".to_owned(),
+        _ if preset.abs() == 0.0 => "from 0".to_owned(),
+        0.0..1e3 => format!("{percent:+.1} %"),
+        1e3..1e5 => format!("{percent:+.0} %"),
+        _ => format!("{percent:+.0e} %"),
+    }
+}
+
 fn summary(
     args: &Args,
     heading: &str,
     findings: &Findings,
     suggestion: Option<&Suggestion>,
     plot: &Path,
+    plants: [&PlantParameters<f64>; 2],
 ) -> String {
     let Findings { parameters, fits, notes } = findings;
-    let mut text = format!("{heading}\n");
-    let mut table = tables::table(&["constant", "value", "95 % interval", "unit"]);
+    let mut text = heading.to_owned();
+    let mut table = tables::table(&["constant", "value", "preset", "change", "95 % interval", "unit"]);
     for p in parameters {
         let interval = match p.ci95 {
             Some([least, most]) => format!("{least:.4e} to {most:.4e}"),
             None if p.at_bound => "at its bound".to_owned(),
             None => "unknown".to_owned(),
         };
-        tables::add(&mut table, [p.name.to_owned(), format!("{:.4e}", p.value), interval, p.unit.to_owned()]);
+        let [value, preset] = [p.value, p.preset].map(|x| format!("{x:.4e}"));
+        let change = change(p.value, p.preset);
+        tables::add(&mut table, [p.name.to_owned(), value, preset, change, interval, p.unit.to_owned()]);
     }
-    let _ = writeln!(text, "{table}");
+    let _ = writeln!(text, "{table}\n{}", torques(plants));
     let mut table = tables::table(&["fit [%]", "", "window [s]", "pitch", "yaw"]);
     let percent = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.1}"));
     for LogFit { log, role, fit, .. } in fits {
@@ -264,10 +316,31 @@ fn summary(
         let _ = writeln!(text, "next:    {} ({})", in_words(suggestion), path.display());
     }
     let _ = writeln!(text, "preset:  {}\nfigure:  {}", args.out.display(), plot.display());
-    let _ = writeln!(
-        text,
-        "tune it: cargo run --release -p host-sim tune --preset {} --objective robust",
-        args.out.display()
-    );
+    let tune = next("tune").with("--preset", args.out.display()).with("--objective", "robust");
+    let tune = tune.board(args.common.board);
+    let _ = writeln!(text, "tune it: {tune}");
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_told_in_few_letters_whatever_it_is() {
+        let cases = [
+            (1.0, 1.0, "none"),
+            (0.1, 0.0, "from 0"),
+            (0.15, 0.1, "+50.0 %"),
+            (-0.05, -0.1, "+50.0 %"),
+            (-0.1, 0.1, "-200.0 %"),
+            (0.0, 2.0, "-100.0 %"),
+            (3.0, 0.1, "+2900 %"),
+            (3.0, -1e-9, "+3e11 %"),
+        ];
+        for (value, preset, told) in cases {
+            assert_eq!(change(value, preset), told, "{value} after {preset}");
+            assert!(told.len() <= 8);
+        }
+    }
 }

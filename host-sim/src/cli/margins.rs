@@ -1,6 +1,6 @@
 //! `margins`: how far a rig may be from what its controller believes.
 
-use super::common::Common;
+use super::common::{Common, PAPER};
 use super::tables::{add, table};
 use super::{print, print_json};
 use crate::error::Outcome;
@@ -14,9 +14,9 @@ use twinrotor_sim::margins::{FARTHEST, LONGEST_DELAY, Margins};
 pub(super) struct Args {
     #[command(flatten)]
     common: Common,
-    /// Gains: 'paper' (Table 4) or a gains file
-    #[arg(long, default_value = "paper", value_name = "paper|FILE")]
-    gains: String,
+    /// Gains: 'paper' (Table 4) or a gains file [default: paper]
+    #[arg(long, value_name = "paper|FILE")]
+    gains: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -29,7 +29,8 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
-    let gains = files::gains("--gains", &args.gains)?;
+    let gains_name = args.gains.as_deref().unwrap_or(PAPER);
+    let gains = files::gains("--gains", gains_name)?;
     let margins = Margins::of(&named.rig, &gains.settings(&named.rig));
     if args.common.json {
         return print_json(&Document { preset: &named.name, gains: &gains, margins });
@@ -47,7 +48,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     add(&mut rows, ["added delay".to_owned(), "0 ms".to_owned(), delay]);
     let pole = margins.slowest_pole;
     print(&format!(
-        "{}, {} gains\n{rows}\nslowest pole of the sampled loop: {pole:.2} /s\n",
-        named.name, args.gains
+        "{}, {gains_name} gains\n{}{rows}\nslowest pole of the sampled loop: {pole:.2} /s\n",
+        named.name,
+        args.common.unsaid(Some(&args.gains))
     ))
 }

@@ -19,6 +19,7 @@ mod manual;
 mod map;
 mod margins;
 mod monitor;
+mod next;
 mod page;
 mod pareto;
 mod replay;

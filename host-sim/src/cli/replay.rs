@@ -1,6 +1,7 @@
 //! `replay`: a log through the firmware's estimator and law.
 
-use super::common::{Common, drawn};
+use super::common::{Common, PAPER, drawn, tuned_elsewhere};
+use super::next::next;
 use super::{print, print_json, tables};
 use crate::error::{Failure, Outcome, as_typed};
 use crate::figures::replay::figure as drawing;
@@ -27,9 +28,9 @@ pub(super) struct Args {
     /// The log: CSV with columns t,pitch,yaw,v0,v1 in SI units, and ref_pitch,ref_yaw where that was recorded
     #[arg(value_name = "LOG.csv", help_heading = "Output")]
     log: PathBuf,
-    /// Gains: 'paper' (Table 4) or a gains file
-    #[arg(long, default_value = "paper", value_name = "paper|FILE")]
-    gains: String,
+    /// Gains: 'paper' (Table 4) or a gains file [default: paper]
+    #[arg(long, value_name = "paper|FILE")]
+    gains: Option<String>,
     /// Other names, signs and units of columns, such as t=time:ms,pitch=-theta:deg,v0=u_main
     #[arg(long, value_name = "LIST", default_value = "", allow_hyphen_values = true)]
     columns: String,
@@ -60,9 +61,10 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
-    let gains = files::gains("--gains", &args.gains)?;
+    let gains_name = args.gains.as_deref().unwrap_or(PAPER);
+    let gains = files::gains("--gains", gains_name)?;
     let mut outputs = args.common.outputs();
-    outputs.reads("--gains", &args.gains);
+    outputs.reads("--gains", gains_name);
     outputs.reads("LOG.csv", &args.log);
     if let Some(name) = &args.scenario {
         outputs.reads("--scenario", name);
@@ -75,13 +77,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     parameters.validate().map_err(image::unusable)?;
     let mut notes = log.notes.clone();
     notes.extend(doubts(&[Run::new(log.clone())], &named.rig.plant));
+    notes.extend(tuned_elsewhere(&named.name, &gains));
     let notes: Vec<String> = notes.iter().map(|note| as_typed(note)).collect();
     let samples = replay::samples(&log, &named.rig, scenario.as_ref());
     let replayed = replay::replay(&parameters, &samples);
     let on_board =
-        args.port.as_ref().map(|port| on_board(port, &parameters, &samples, &replayed)).transpose()?;
+        args.port.as_ref().map(|port| on_board(port, args, &parameters, &samples, &replayed)).transpose()?;
     let (rows, report) = replay::compare(&log, &samples, &replayed);
-    let title = format!("{} through {} gains on {}", log.name, args.gains, named.name);
+    let title = format!("{} through {gains_name} gains on {}", log.name, named.name);
     if let Some(path) = &args.plot {
         outputs.write(path, &figure::bytes(&drawing(&title, &rows, named.rig.volts_limit), path)?);
     }
@@ -90,19 +93,30 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             Document { log: &log.name, preset: &named.name, gains: &gains, report, on_board, notes: &notes };
         print_json(&document)?;
     } else {
+        let title = format!("{title}\n{}", args.common.unsaid(Some(&args.gains)));
         print(&summary(&title, &report, on_board.as_deref(), &notes))?;
     }
     outputs.done()
 }
 
 /// The same on the board at `port`, whose answers must be the same.
-fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Replayed]) -> Outcome<String> {
+fn on_board(
+    port: &str,
+    args: &Args,
+    parameters: &Parameters,
+    samples: &[Sample],
+    here: &[Replayed],
+) -> Outcome<String> {
     let mut board = Board::new(line::open(port)?.1);
     let identity = board.identify()?;
     if !board.keeps(parameters)? {
+        let flash = next("flash")
+            .of(args.gains.as_deref().unwrap_or(PAPER))
+            .with("--preset", args.common.preset())
+            .with("--port", port);
+        let flash = flash.board(args.common.board);
         return Err(Failure::Run(format!(
-            "the board at {port} keeps other parameters than these gains and this preset make: host-sim \
-             flash GAINS --preset PRESET --port {port}"
+            "the board at {port} keeps other parameters than these gains and this preset make: {flash}"
         )));
     }
     let there = board.replay(samples)?;
@@ -121,7 +135,7 @@ fn on_board(port: &str, parameters: &Parameters, samples: &[Sample], here: &[Rep
 
 fn summary(title: &str, report: &Report, on_board: Option<&str>, notes: &[String]) -> String {
     let mut text = format!(
-        "{title}\n{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s \
+        "{title}{} to {} s, a row every {} ms, a tick every ms; true rates by smoothers that look {}/{} s \
          back and ahead\n",
         report.from_s,
         report.to_s,

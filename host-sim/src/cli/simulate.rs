@@ -1,7 +1,7 @@
 //! `simulate`: fly one scenario.
 
 use super::choices;
-use super::common::{Common, drawn, no_effect, pair, refuse_in_ideal_world, truth, tuned_elsewhere};
+use super::common::{Common, PAPER, drawn, no_effect, pair, refuse_in_ideal_world, truth, tuned_elsewhere};
 use super::{print, print_json};
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -35,9 +35,9 @@ fn laws() -> PossibleValuesParser {
 pub(super) struct Args {
     #[command(flatten)]
     common: Common,
-    /// Gains: 'paper' (Table 4) or a gains file
-    #[arg(long, default_value = "paper", value_name = "paper|FILE")]
-    gains: String,
+    /// Gains: 'paper' (Table 4) or a gains file [default: paper]
+    #[arg(long, value_name = "paper|FILE")]
+    gains: Option<String>,
     /// Refuse gains that are of another controller
     #[arg(long, value_parser = laws())]
     controller: Option<String>,
@@ -114,6 +114,7 @@ struct Document<'a> {
 
 pub(super) fn run(args: &Args) -> Outcome<()> {
     let named = args.common.resolve()?;
+    let gains_name = args.gains.as_deref().unwrap_or(PAPER);
     if args.fidelity == choices::Fidelity::Ideal {
         let lags = [("--rotor-lag", args.common.rotor_lag), ("--true-lag", args.true_lag)];
         if let Some((flag, _)) = lags.iter().find(|(_, lag)| lag.is_some()) {
@@ -124,11 +125,11 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let truth = truth(args.true_rig.as_deref(), args.true_lag, &named)?;
     let scenario = scenario(args)?;
     refuse_in_ideal_world(&scenario, args.fidelity.into())?;
-    let gains = files::gains("--gains", &args.gains)?;
+    let gains = files::gains("--gains", gains_name)?;
     gains.require(args.controller.as_deref()).map_err(Failure::of_flag)?;
     gains
         .require_stable_in(args.fidelity.into(), &named.name, &named.rig)
-        .map_err(|error| error.within(&args.gains))?;
+        .map_err(|error| error.within(gains_name))?;
     let initial = match &args.initial {
         Some(text) => {
             let [pitch, yaw] = pair("--initial", text)?.map(f64::to_radians);
@@ -160,7 +161,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         outputs.write(path, &export::bytes(&Table::of_flight(&flown.rows, &COLUMNS), path)?);
     }
     let flown_on = args.true_rig.as_ref().map_or_else(String::new, |rig| format!("{rig} taken for "));
-    let title = format!("{flown_on}{}, scenario {}, {} gains", named.name, scenario.name, args.gains);
+    let title = format!("{flown_on}{}, scenario {}, {gains_name} gains", named.name, scenario.name);
     if let Some(path) = &args.plot {
         let figure = flight_figure(&title, &flown, settings.volts_limit);
         outputs.write(path, &figure::bytes(&figure, path)?);
@@ -193,7 +194,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         let warnings = [cannot_hold, tuned_elsewhere].into_iter().flatten();
         let note: String = warnings.map(|told| format!("warning: {told}\n")).collect();
         let told = envelope.text(flown.left_envelope);
-        print(&format!("{title}\n{}{told}{}{note}", flown.report, board(flown.board)))?;
+        let unsaid = args.common.unsaid(Some(&args.gains));
+        print(&format!("{title}\n{unsaid}{}{told}{}{note}", flown.report, board(flown.board)))?;
     }
     outputs.done()?;
     flown.stopped().map_or(Ok(()), |why| Err(Failure::Flight(why)))
@@ -202,7 +204,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
 /// What is read and written.
 fn outputs(args: &Args) -> Outcome<Outputs> {
     let mut outputs = args.common.outputs();
-    outputs.reads("--gains", &args.gains);
+    outputs.reads("--gains", args.gains.as_deref().unwrap_or_default());
     outputs.reads("--scenario", &args.scenario);
     outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
     if let Some(path) = &args.csv {

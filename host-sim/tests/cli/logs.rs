@@ -72,6 +72,46 @@ fn a_recorded_flight_leads_to_a_preset() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--port no-such-port cannot be opened"));
 }
 
+/// Each constant stands beside what was believed before, in a table that a screen of 80 columns holds whole.
+#[test]
+fn what_was_found_stands_beside_the_preset() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = ["--preset", "aero-lab", "--fidelity", "rig", "--log", "run.csv"];
+    assert!(host_sim(folder.path(), &[&["simulate"][..], &rig].concat()).status.success());
+    let identify = |more: &[&str]| {
+        let few = ["identify", "run.csv", "--preset", "aero", "--window", "1.5", "--iterations", "0"];
+        let fix =
+            ["--population", "2", "--fix", "damping,rotor_time_constant,rotor_reaction,coulomb_friction"];
+        host_sim(folder.path(), &[&few[..], &fix, more].concat())
+    };
+    let told: Value = serde_json::from_slice(&identify(&["--json"]).stdout).unwrap();
+    let plant = &twinrotor::plant::presets::AERO.plant;
+    let of = |name: &str| {
+        let all = told["parameters"].as_array().unwrap();
+        all.iter().find(|p| p["name"] == name).unwrap().clone()
+    };
+    assert_eq!(of("stiffness")["preset"].as_f64(), Some(plant.stiffness));
+    assert_eq!(of("effectiveness.main_on_pitch")["preset"].as_f64(), Some(plant.effectiveness.main_on_pitch));
+    assert_eq!(of("quadratic_effectiveness.main_on_pitch")["preset"], 0.0);
+
+    let told = String::from_utf8(identify(&[]).stdout).unwrap();
+    let mut rows = told.lines().filter(|line| line.starts_with('│'));
+    assert!(rows.all(|line| line.chars().count() <= 80), "{told}");
+    let row = |name: &str| -> Vec<String> {
+        let line = told.lines().find(|line| line.trim_start_matches(['│', ' ']).starts_with(name)).unwrap();
+        line.replace('│', "").split_whitespace().map(str::to_owned).collect()
+    };
+    assert_eq!(row("constant"), ["constant", "value", "preset", "change"]);
+    let stiffness = row("stiffness");
+    let found = of("stiffness")["value"].as_f64().unwrap();
+    let change = format!("{:+.1}", 100.0 * (found / plant.stiffness - 1.0));
+    assert_eq!(stiffness[2..], [format!("{:.4e}", plant.stiffness), change, "%".to_owned()]);
+    assert_eq!(row("quadratic_effectiveness.main_on_pitch")[2..], ["0.0000e0", "from", "0"]);
+    // Both parts of a thrust in one number.
+    let torque = 10.0 * plant.effectiveness.main_on_pitch;
+    assert_eq!(row("main on pitch")[4], format!("{torque:.4e}"));
+}
+
 /// From a short flight to the suggested one, and with both logs the constant that was known worst is known
 /// better.
 #[test]
@@ -168,4 +208,35 @@ fn a_log_tells_the_terms_of_a_body_that_is_no_point() {
             assert!(high - low < 0.5 * whole, "{rig}: {one}");
         }
     }
+}
+
+/// What nobody has chosen is told in a line, with what chooses it; what was chosen is not.
+#[test]
+fn the_preset_and_gains_that_are_taken_by_default_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../gains/aero2.toml").display().to_string();
+    let fly = ["simulate", "--preset", "aero2", "--gains", &own, "--fidelity", "rig", "--log", "run.csv"];
+    assert!(host_sim(folder.path(), &fly).status.success());
+    let told = |args: &[&str]| {
+        let output = host_sim(folder.path(), args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        (text.lines().nth(1).unwrap().to_owned(), text)
+    };
+    for command in [&["simulate"][..], &["replay", "run.csv"], &["margins"]] {
+        let with = |more: &[&str]| told(&[command, more].concat()).0;
+        assert_eq!(
+            with(&[]),
+            "by default: preset paper, the paper's gains; --preset and --gains choose others"
+        );
+        assert_eq!(
+            with(&["--preset", "aero2"]),
+            "by default: the paper's gains; --gains chooses others (gains/aero2.toml: its own)"
+        );
+        assert_eq!(with(&["--gains", "paper"]), "by default: preset paper; --preset chooses another");
+        let (_, chosen) = told(&[command, &["--preset", "aero2", "--gains", &own]].concat());
+        assert!(!chosen.contains("by default"), "{chosen}");
+    }
+    let (_, other) = told(&["replay", "run.csv", "--preset", "aero", "--gains", &own]);
+    assert!(other.contains("note: these gains were tuned on 'aero2', not on 'aero'"), "{other}");
 }

@@ -8,7 +8,10 @@ mod logs;
 mod manual;
 mod map;
 mod matrices;
+#[cfg(unix)]
+mod next;
 mod panics;
+mod recording;
 mod robust;
 mod searches;
 mod shards;
@@ -234,6 +237,14 @@ fn tune_writes_gains_that_simulate_flies_to_the_same_cost() {
     let flown = json(folder.path(), &["simulate", "--gains", "mine.toml", "--json"]);
     let ise = flown["pitch"]["ise"].as_f64().unwrap() + flown["yaw"]["ise"].as_f64().unwrap();
     assert_eq!(Some(ise), told["cost"].as_f64());
+    // Beside it, what was there before: the paper's gains and the preset's own, each as `simulate` flies it.
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../gains/paper.toml").display().to_string();
+    for (k, gains) in ["paper", &own].into_iter().enumerate() {
+        let flown = json(folder.path(), &["simulate", "--gains", gains, "--json"]);
+        let ise = flown["pitch"]["ise"].as_f64().unwrap() + flown["yaw"]["ise"].as_f64().unwrap();
+        assert_eq!(Some(ise), told["compared"][k]["cost"].as_f64(), "{gains}");
+    }
+    assert_eq!(told["verdict"], "the tuned gains are the best of these");
 }
 
 #[test]

@@ -109,3 +109,36 @@ fn encoders_that_are_too_coarse_are_told_with_what_it_takes() {
     let fine = flown("aero2");
     assert!(!fine.contains("warning"), "{fine}");
 }
+
+/// What was there before the search is told on the same objective, and what the file holds where nothing is
+/// better.
+#[test]
+fn gains_that_were_there_before_are_told_beside_what_was_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let tune = ["tune", "--objective", "robust", "--preset", "aero2", "--out", "g.toml"];
+    let own = format!("{}/aero2.toml", gains());
+    let run = |more: &[&str]| {
+        let args = [&tune[..], &LEAST, more].concat();
+        let output = host_sim(folder.path(), &args);
+        (String::from_utf8(output.stdout).unwrap(), fs::read_to_string(folder.path().join("g.toml")).unwrap())
+    };
+    let (told, file) = run(&["--start", &own, "--range", "1.0000000001"]);
+    assert!(told.contains("is better than the start: the file holds the start itself"), "{told}");
+    assert!(told.contains(&format!("the start: {own}, the preset's own gains")), "{told}");
+    let numbers = |text: &str| text.split("[provenance]").next().unwrap().to_owned();
+    assert_eq!(numbers(&file), numbers(&fs::read_to_string(&own).unwrap()));
+
+    // Another start, and the preset's own are better than it.
+    let (told, _) = run(&["--controller", "integral"]);
+    assert!(told.contains("the preset's own gains: gains/aero2.toml"), "{told}");
+    assert!(
+        told.contains("is better than the preset's own gains: the file holds the best of these"),
+        "{told}"
+    );
+    let (told, _) = run(&["--controller", "integral", "--json"]);
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let [start, own] = [0, 1].map(|k| &told["compared"][k]);
+    assert_eq!((&start["what"], &own["what"]), (&"start".into(), &"own".into()));
+    assert_eq!((&own["found_is_better"], &own["gains"]), (&false.into(), &"gains/aero2.toml".into()));
+    assert!(own["cost"].as_f64() < told["cost"].as_f64() && told["cost"].as_f64() <= start["cost"].as_f64());
+}

@@ -83,6 +83,57 @@ fn a_board_from_the_bag_is_written_checked_and_flown_and_its_record_is_read_with
     assert!(json(&replay)["rate_error"]["pitch"].as_f64().unwrap() < 0.05);
 }
 
+/// How much differs comes first, then a few values, all of them with `--verbose` or in JSON.
+#[test]
+fn what_a_board_has_otherwise_is_summed_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| {
+        let board = Served::over_tcp(true, Mishap::None);
+        let args = ["--port", &board.port, "--yes", "--preset", "heli"];
+        let output = fly(folder.path(), &[&args[..], more].concat());
+        assert_eq!(output.status.code(), Some(1), "{}", told(&output));
+        assert!(!board.turns());
+        output
+    };
+    let document = json(&run(&["--json"]));
+    let all = document["differs"].as_array().unwrap().len();
+    assert!(all > 30, "{document}");
+    let lines = |output: Output| -> Vec<String> {
+        let text = String::from_utf8(output.stdout).unwrap();
+        text.lines().filter_map(|line| Some(line.split_once("differs")?.1.trim().to_owned())).collect()
+    };
+    let few = lines(run(&[]));
+    assert!(
+        few[0].starts_with(&format!("{all} of ")) && few[0].contains(" of settings.controller"),
+        "{few:?}"
+    );
+    assert_eq!(few.len(), 8, "{few:?}");
+    assert_eq!(few[6], format!("and {} more, which --verbose and --json tell", all - 5));
+    assert!(few[7].starts_with("--write puts what is asked for"), "{few:?}");
+    assert_eq!(lines(run(&["--verbose"])).len(), all + 2);
+}
+
+/// What is told to be typed next is of the port, preset, gains and board that were given.
+#[test]
+fn the_next_step_after_flash_is_at_the_same_port() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../gains").join(name);
+    fs::copy(own("aero2.toml"), folder.path().join("my gains.toml")).unwrap();
+    let board = Served::over_tcp(true, Mishap::None);
+    let port = board.port.clone();
+    let program = env!("CARGO_BIN_EXE_host-sim");
+    let flash = Command::new(program)
+        .args(["flash", "my gains.toml", "--port", &board.port, "--board", "nucleo-f446"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(flash.status.success() && !board.turns(), "{}", told(&flash));
+    let text = String::from_utf8(flash.stdout).unwrap();
+    let next = text.lines().find_map(|line| line.strip_prefix("next: ")).unwrap();
+    let rest = "--preset aero2 --gains 'my gains.toml' --board nucleo-f446";
+    assert_eq!(next, format!("{program} fly --port {port} {rest}"));
+}
+
 /// Each with its exit status and its sentence.
 #[test]
 fn bad_luck_is_told_and_leaves_no_motor_turning() {

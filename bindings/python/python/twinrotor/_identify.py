@@ -13,13 +13,14 @@ from ._logs import LogLike, all_given
 
 @dataclass(frozen=True)
 class Constant:
-    """A constant as it was found, SI units.
+    """A constant as it was found, and as the preset has it, SI units.
 
     ``ci95`` is its 95 % interval: ``None`` at a bound that physics sets, or where the logs say nothing.
     """
 
     name: str
     value: float
+    preset: float
     unit: str
     ci95: tuple[float, float] | None
     identifiable: bool

@@ -1,3 +1,6 @@
+mod line;
+mod trial;
+
 use super::*;
 use crate::SimulatedBoard;
 use crate::again::again;
@@ -236,117 +239,6 @@ fn a_fault_in_flight_is_told_in_words_and_cleared_the_next_time() {
 }
 
 #[test]
-fn a_silent_port_an_echo_and_noise_are_told_apart() {
-    let mut silent = Desk::new(stored(&AERO2, true), plan(&AERO2));
-    silent.line = Box::new(|_, _| Vec::new());
-    assert!(why(&silent.end()).contains("did not answer within 3 s"));
-    let mut noisy = Desk::new(stored(&AERO2, true), plan(&AERO2));
-    // 100 bytes a millisecond: a line of a megabaud, full.
-    noisy.line = Box::new(|tick, _| (0..100_u64).map(|k| ((tick * 100 + k) * 37 % 251) as u8).collect());
-    assert!(why(&noisy.end()).contains("that are no messages"));
-    // One that speaks, and does not hear.
-    let mut deaf = Desk::new(stored(&AERO2, true), plan(&AERO2));
-    deaf.until(|desk| desk.board.frame().tick > 3);
-    (0..50).for_each(|_| deaf.board.tick());
-    deaf.board.take_outgoing();
-    let telemetry: Vec<u8> = (0..20)
-        .flat_map(|_| {
-            deaf.board.tick();
-            deaf.board.take_outgoing()
-        })
-        .collect();
-    let mut desk = Desk::new(deaf.board, plan(&AERO2));
-    desk.line = Box::new(move |_, _| telemetry.clone());
-    assert!(why(&desk.end()).contains("speaks and does not answer"));
-    let mut session = Session::new(plan(&AERO2), Duration::ZERO);
-    for ms in 0..5_000 {
-        session.poll(Duration::from_millis(ms));
-        let said = session.take_outgoing();
-        session.push(&said, Duration::from_millis(ms));
-    }
-    let over = std::iter::from_fn(|| session.event()).last();
-    let Some(Event::Over(end)) = over else { panic!("{over:?}") };
-    assert!(why(&end).contains("hands back what is sent"), "{end:?}");
-}
-
-/// A cable that is pulled in flight, and then a line that drowns in noise.
-#[test]
-fn a_board_that_falls_silent_is_told_to_stop_and_not_believed_to_have() {
-    for noise in [false, true] {
-        let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2)).flying();
-        desk.line = Box::new(move |_, _| if noise { vec![0x55; 100] } else { Vec::new() });
-        let end = desk.end();
-        assert_eq!(end.motors, Motors::NotSeenOff);
-        assert_eq!(why(&end), "the board has fallen silent");
-        // Only its voice was lost: it has heard.
-        assert!(!desk.turns());
-    }
-}
-
-#[test]
-fn a_line_that_loses_a_tenth_of_all_frames_still_flies() {
-    let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2));
-    desk.line = Box::new(|tick, mut bytes| {
-        if tick.is_multiple_of(10) {
-            bytes.truncate(bytes.len() / 2);
-        }
-        bytes
-    });
-    assert_eq!(desk.end(), End { ending: Ending::Flown, motors: Motors::SeenOff }, "{:?}", desk.steps());
-}
-
-#[test]
-fn a_board_that_is_reset_in_flight_ends_it() {
-    let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2)).flying();
-    desk.board = desk.board.reset();
-    let end = desk.end();
-    assert!(why(&end).contains("was reset") && matches!(end.ending, Ending::Stopped(_)), "{end:?}");
-    assert!(end.motors == Motors::SeenOff && !desk.turns());
-}
-
-/// Word of one `Zero` comes when the next is on its way already.
-#[test]
-fn what_the_board_says_may_come_late() {
-    let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2));
-    let mut late = VecDeque::new();
-    desk.line = Box::new(move |_, bytes| {
-        late.push_back(bytes);
-        if late.len() > 700 { late.pop_front().unwrap_or_default() } else { Vec::new() }
-    });
-    assert_eq!(desk.end(), End { ending: Ending::Flown, motors: Motors::SeenOff }, "{:?}", desk.steps());
-}
-
-/// A verdict is said once: whether it passed is in every frame.
-#[test]
-fn a_verdict_that_is_lost_is_known_from_the_frames() {
-    let mut desk = Desk::new(stored(&AERO2, false), plan(&AERO2));
-    let mut decoder = Decoder::new();
-    desk.line = Box::new(move |_, bytes| {
-        let messages = bytes.into_iter().filter_map(|byte| decoder.push::<ToHost>(byte)?.ok());
-        let heard = messages.filter(|message| !matches!(message, ToHost::Verdict(_)));
-        heard.flat_map(|message| encode(&message, &mut [0; MAX_FRAME]).unwrap().to_vec()).collect()
-    });
-    assert_eq!(desk.end(), End { ending: Ending::Flown, motors: Motors::SeenOff }, "{:?}", desk.steps());
-    assert!(desk.steps().contains(&"checked"));
-}
-
-#[test]
-fn two_programs_on_one_board() {
-    // The second finds the board in the air, and leaves it alone.
-    let desk = Desk::new(stored(&AERO2, true), plan(&AERO2)).flying();
-    let mut second = Desk::new(desk.board, plan(&AERO2));
-    let end = second.end();
-    assert!(why(&end).contains("another program") && end.motors == Motors::NeverTurned, "{end:?}");
-    // One that disarms it ends the first one's flight.
-    let mut desk = Desk::new(stored(&AERO2, true), plan(&AERO2)).flying();
-    let mut other = Client::new();
-    other.request(Request::Disarm);
-    desk.board.push(&other.take_outgoing());
-    let end = desk.end();
-    assert!(why(&end).contains("somebody else") && end.motors == Motors::SeenOff && !desk.turns());
-}
-
-#[test]
 fn an_emergency_stop_that_is_pressed_keeps_it_on_the_ground() {
     let mut board = stored(&AERO2, true);
     board.senses = twinrotor::supervisor::Conditions::of(&[Condition::EmergencyStop]);
@@ -373,64 +265,4 @@ fn a_rig_that_leaves_its_envelope_ends_the_flight() {
     let end = desk.end();
     assert!(matches!(end.ending, Ending::Stopped(_)) && end.motors == Motors::SeenOff, "{end:?}");
     assert!(matches!(desk.board.frame().state, ArmState::Fault(_)));
-}
-
-/// The same law with gains that differ by `factor`.
-fn attempt(factor: f32) -> Box<Attempt> {
-    let own = record(&AERO2, true).settings.controller;
-    let controller = twinrotor::controller::ControllerSettings { law: own.law.map(|g| factor * g), ..own };
-    Box::new(Attempt { revert_ms: 60_000, ..Attempt::new(controller) })
-}
-
-/// Flown, tried, flown again, then kept or taken back.
-fn trying(factor: f32, last: Leg) -> Plan {
-    let plan = plan(&AERO2);
-    let fly = plan.legs[0].clone();
-    Plan { legs: vec![fly.clone(), Leg::Try(attempt(factor)), fly, last], ..plan }
-}
-
-#[test]
-fn a_controller_is_tried_between_two_flights_accepted_saved_and_the_same_here() {
-    let mut desk = Desk::new(stored(&AERO2, true), Plan { save: true, ..trying(0.9, Leg::Accept) });
-    let end = desk.end();
-    assert_eq!(end, End { ending: Ending::Flown, motors: Motors::SeenOff }, "{:?}", desk.steps());
-    let steps = ["flying", "trying", "tried", "flying", "accepted", "landing", "down", "saved"];
-    assert_eq!(desk.steps()[6..], steps);
-    let begins = desk.events.iter().filter(|event| matches!(event, Event::Begins { .. })).count();
-    assert_eq!(begins, 2);
-    let frame = |event: &Event| if let Event::Frame(frame) = event { Some(*frame) } else { None };
-    let frames: Vec<Frame> = desk.events.iter().filter_map(frame).collect();
-    let tried = desk.session.tried().copied();
-    let same = again(&AERO2, &record(&AERO2, true), &frames, desk.session.said(), tried.as_ref()).unwrap();
-    assert!(same > 14_000, "{same}");
-    // It boots with it.
-    let mut wanted = plan(&AERO2);
-    wanted.parameters.settings.controller = tried.unwrap().1.controller;
-    let mut again = Desk::new(desk.board.reset(), wanted);
-    assert_eq!(again.end().ending, Ending::Flown);
-    assert_eq!(again.steps()[1], "compared");
-}
-
-#[test]
-fn a_controller_that_is_not_kept_flies_no_more() {
-    let mut desk = Desk::new(stored(&AERO2, true), Plan { save: true, ..trying(0.9, Leg::Revert) });
-    assert_eq!(desk.end().ending, Ending::Flown);
-    assert_eq!(desk.steps()[6..], ["flying", "trying", "tried", "flying", "reverted", "landing", "down"]);
-    let mut again = Desk::new(desk.board, plan(&AERO2));
-    assert_eq!(again.end().ending, Ending::Flown);
-    assert_eq!(again.steps()[1], "compared");
-}
-
-/// Errors beyond twice those of the first flight end the trial: the rig comes down with the accepted
-/// controller, and it is told.
-#[test]
-fn a_controller_that_the_board_takes_back_is_not_accepted() {
-    let small = Leg::Fly(vec![Reference::at_rest(PerAxis::new(0.01, 0.01)); 2_000]);
-    let mut trying = trying(0.9, Leg::Accept);
-    trying.legs[0] = small;
-    let mut desk = Desk::new(stored(&AERO2, true), trying);
-    let end = desk.end();
-    assert!(why(&end).contains("has taken the trial back"), "{end:?} {:?}", desk.steps());
-    assert!(end.motors == Motors::SeenOff && !desk.turns());
-    assert_eq!(desk.steps()[6..], ["flying", "trying", "tried", "flying", "taken back", "landing", "down"]);
 }

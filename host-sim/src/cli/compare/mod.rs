@@ -149,7 +149,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let wrong = controllers.iter().map(wrong).collect::<Outcome<Vec<_>>>()?;
     let mut note = found.note(args.plants, device::RIG_FLIGHTS);
     if let (Some(folder), Flown::Steps(scores)) = (&args.worst, &flown) {
-        note += &worst::write(folder, &args.common.preset, &trial, &controllers, scores, &mut outputs);
+        note += &worst::write(folder, args.common.preset(), &trial, &controllers, scores, &mut outputs);
     }
     told::show(&head, &flown, wrong, &args.told, args.common.json, &note, &mut outputs)?;
     outputs.done()

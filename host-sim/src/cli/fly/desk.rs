@@ -1,6 +1,7 @@
 //! A session at its line, until it is over, whatever happens.
 
 use super::ask::Question;
+use super::differs;
 use crate::line::{self, Line};
 use crate::stop;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,8 +11,8 @@ use twinrotor::axes::PerAxis;
 use twinrotor::link::Health;
 use twinrotor::parameters::Parameters;
 use twinrotor::telemetry::Frame;
-use twinrotor_station::differences::Difference;
-use twinrotor_station::session::{End, Ending, Event, Session};
+use twinrotor_station::differences::{Difference, settings};
+use twinrotor_station::session::{End, Ending, Event, Session, Write};
 use twinrotor_station::words;
 
 /// \[ticks\] From one line of progress to the next.
@@ -48,11 +49,18 @@ pub(super) struct Desk {
     bar: ProgressBar,
     worst: PerAxis<f32>,
     lost: bool,
+    /// How many values that differ are told, and what is done about them.
+    differing: (usize, Write),
     pub(super) flown: Flown,
 }
 
 impl Desk {
-    pub(super) fn new(line: Box<dyn Line>, session: Session, parameters: Parameters) -> Self {
+    pub(super) fn new(
+        line: Box<dyn Line>,
+        session: Session,
+        parameters: Parameters,
+        differing: (usize, Write),
+    ) -> Self {
         let style = ProgressStyle::with_template("{msg}").expect("the template is well-formed");
         Self {
             line,
@@ -62,6 +70,7 @@ impl Desk {
             bar: ProgressBar::new_spinner().with_style(style),
             worst: PerAxis::zero(),
             lost: false,
+            differing,
             flown: Flown::default(),
         }
     }
@@ -91,8 +100,10 @@ impl Desk {
                         self.take(step, what, &mut told);
                     }
                     Event::Differs(differences) => {
-                        for difference in &differences {
-                            self.take("differs", difference.to_string(), &mut told);
+                        let all = settings(&self.parameters);
+                        let (most, writing) = self.differing;
+                        for line in differs::lines(&differences, all, most, writing) {
+                            self.take("differs", line, &mut told);
                         }
                         self.flown.differences = differences;
                     }
@@ -185,7 +196,7 @@ mod tests {
     use twinrotor::pipeline::Settings;
     use twinrotor::plant::presets::AERO2;
     use twinrotor::reference::Reference;
-    use twinrotor_station::session::{Leg, Motors, Plan, Write};
+    use twinrotor_station::session::{Leg, Motors, Plan};
 
     /// A board whose line goes through somebody's hands.
     struct Shared {
@@ -220,7 +231,7 @@ mod tests {
             save: false,
         };
         let line = Box::new(Shared { board: Rc::clone(&board), panics_in_flight });
-        (Desk::new(line, Session::new(plan, Duration::ZERO), parameters), board)
+        (Desk::new(line, Session::new(plan, Duration::ZERO), parameters, (0, Write::Never)), board)
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod ask;
 mod desk;
+mod differs;
 mod inject;
 mod owner;
 mod report;
@@ -95,6 +96,9 @@ pub(super) struct Args {
     /// Of everything random in the simulation
     #[arg(long, default_value_t = 1, help_heading = "Computing")]
     seed: u64,
+    /// Tell every setting that the board has otherwise than is asked for, not a few
+    #[arg(long, help_heading = "Output")]
+    verbose: bool,
     /// Print one JSON document and nothing else
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -126,7 +130,8 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     };
     let plan = plan(args, &task, simulated)?;
     let frame_every = plan.frame_every;
-    let mut desk = Desk::new(line, Session::new(plan, Duration::ZERO), task.parameters);
+    let differing = (if args.verbose { usize::MAX } else { differs::FEW }, plan.write);
+    let mut desk = Desk::new(line, Session::new(plan, Duration::ZERO), task.parameters, differing);
     let end = desk.run(|step| if args.json { Ok(()) } else { print(&report::line(step)) });
     conclude(args, &task, &port, &desk, &end, frame_every, outputs)
 }

@@ -88,7 +88,12 @@ impl Document<'_> {
                 writeln!(text, "\nwith motors that one flight has warmed\n{}", side_by_side(accepted, tried));
         }
         if let Some(ticks) = self.verified_ticks {
-            let _ = writeln!(text, "bit for bit equal to the host over {ticks} ticks");
+            let _ = writeln!(
+                text,
+                "bit for bit equal to the host over {ticks} ticks: the board's own flight, computed once \
+                 more with\nwhat it was told and when; the simulation above is a flight of its own, which \
+                 begins at level"
+            );
         }
         let dropped = self.frames_dropped.map_or_else(String::new, |n| format!(", {n} dropped by the board"));
         let Gaps { gaps, lost_ticks } = self.gaps;

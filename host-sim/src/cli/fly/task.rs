@@ -3,6 +3,7 @@
 use super::Args;
 use super::inject::by_tick;
 use crate::cli::common::tuned_elsewhere;
+use crate::cli::next::next;
 use crate::cli::simulate::cannot_hold;
 use crate::error::{Failure, Outcome};
 use crate::files;
@@ -45,9 +46,8 @@ pub(super) fn task(args: &Args, simulated: bool) -> Outcome<Task> {
         None => {
             let controller = defaults::named(&args.preset).ok_or_else(|| {
                 Failure::Input(format!(
-                    "--gains is missing, and a rig of your own has none built in; tune some: host-sim tune \
-                     --preset {} --objective robust",
-                    args.preset
+                    "--gains is missing, and a rig of your own has none built in; tune some: {}",
+                    next("tune").with("--preset", &args.preset).with("--objective", "robust")
                 ))
             })?;
             (format!("{}'s own", args.preset), GainsFile { controller, provenance: None })

@@ -1,5 +1,6 @@
 //! `tune` on an integral of the error: the paper's law over one scenario.
 
+use super::beside::{Beside, What};
 use super::report::{document, name_of, summary};
 use super::request::{Request, left};
 use crate::cli::choices;
@@ -47,6 +48,9 @@ pub(super) struct Task<'a> {
     pub(super) request: &'a Request<'a>,
     pub(super) criterion: Criterion,
     pub(super) scenario: Scenario,
+    /// As it was typed.
+    pub(super) scenario_name: String,
+    pub(super) horizon: Option<f64>,
     pub(super) fidelity: Fidelity,
     pub(super) bounds: [f64; 2],
     pub(super) plot: PathBuf,
@@ -80,7 +84,8 @@ impl Args {
     }
 
     fn resolve<'a>(&self, request: &'a Request<'a>, criterion: Criterion) -> Outcome<Task<'a>> {
-        let mut scenario = files::scenario(self.scenario.as_deref().unwrap_or("step"))?;
+        let scenario_name = self.scenario.clone().unwrap_or_else(|| "step".to_owned());
+        let mut scenario = files::scenario(&scenario_name)?;
         if let Some(horizon) = self.horizon {
             scenario.duration = at_least("--horizon", horizon, 0.0, true)?;
         }
@@ -97,7 +102,8 @@ impl Args {
                 scenario.name
             )));
         }
-        Ok(Task { request, criterion, scenario, fidelity, bounds, plot })
+        let horizon = self.horizon;
+        Ok(Task { request, criterion, scenario, scenario_name, horizon, fidelity, bounds, plot })
     }
 }
 
@@ -138,7 +144,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     drop(listening);
     if stop::requested() || end == End::Device {
         if request.json {
-            print_json(&document(&task, &search, &found))?;
+            print_json(&document(&task, &search, &found, None))?;
         }
         return left(request, &search, outputs);
     }
@@ -148,15 +154,22 @@ pub(super) fn run(args: &Args, request: &Request<'_>, criterion: Criterion) -> O
     let drawn = figures::comparison(&task.title(), pair, named.rig.volts_limit);
     outputs.write(plot, &figure::bytes(&drawn, plot)?);
 
+    let paper = objective.cost(&GainsFile::paper());
+    let mut before = vec![(What::Paper, "the paper's gains".to_owned(), paper)];
+    before.extend(request.own().map(|(name, gains)| {
+        let cost = task.fly_in(&gains, *fidelity).map_or(f64::INFINITY, |f| f.report.integral(criterion));
+        (What::Own, name, cost)
+    }));
+    let beside = Beside::new(best.cost, search.evaluations(), before);
     if request.json {
-        print_json(&document(&task, &search, &found))?;
+        print_json(&document(&task, &search, &found, Some(&beside)))?;
     } else {
         let each_core = match fidelity {
             Fidelity::Ideal => device::IDEAL_FLIGHTS,
             Fidelity::Rig => device::RIG_FLIGHTS,
         };
         let note = request.found.note(request.generation(), each_core);
-        let summary = summary(&task, &search, &objective, &found, &flown);
+        let summary = summary(&task, &search, paper, &found, &flown, &beside);
         print(&format!("{summary}{}{note}", outputs.unwritten()))?;
     }
     outputs.done()

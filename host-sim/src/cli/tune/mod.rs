@@ -1,6 +1,7 @@
 //! `tune`: breed gains. What is minimised decides what else can be said: an integral of the error takes a
 //! scenario ([`integral`]), the robust objective plants and a controller ([`robust`]).
 
+mod beside;
 mod integral;
 mod proof;
 mod report;

@@ -1,18 +1,18 @@
 //! What `tune` reports.
 
+use super::beside::Beside;
 use super::integral::Task;
 use super::request::Request;
+use crate::cli::next::next;
 use crate::cli::tables;
 use crate::error::Outcome;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::Path;
 use twinrotor::gains::{self, NAMES};
 use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::scenario::SAMPLE_TIME;
-use twinrotor_tune::integral::Objective;
 use twinrotor_tune::search::{Effort, Search};
 
 /// A gain this near to a bound (part of the range) is probably held there by it.
@@ -67,15 +67,24 @@ pub(super) struct Document<'a> {
     objective: Criterion,
     scenario: &'a str,
     fidelity: Fidelity,
+    /// Not known of a search that was interrupted.
+    #[serde(flatten)]
+    beside: Option<&'a Beside>,
     gains: &'a GainsFile,
 }
 
-pub(super) fn document<'a>(task: &'a Task<'a>, search: &'a Search, found: &'a GainsFile) -> Document<'a> {
+pub(super) fn document<'a>(
+    task: &'a Task<'a>,
+    search: &'a Search,
+    found: &'a GainsFile,
+    beside: Option<&'a Beside>,
+) -> Document<'a> {
     Document {
         run: Run::new(task.request, search, task.scenario.duration),
         objective: task.criterion,
         scenario: &task.scenario.name,
         fidelity: task.fidelity,
+        beside,
         gains: found,
     }
 }
@@ -83,14 +92,14 @@ pub(super) fn document<'a>(task: &'a Task<'a>, search: &'a Search, found: &'a Ga
 pub(super) fn summary(
     task: &Task<'_>,
     search: &Search,
-    objective: &Objective,
+    paper: f64,
     found: &GainsFile,
     flown: &[Flight; 2],
+    beside: &Beside,
 ) -> String {
     let request = task.request;
     let mut text = String::new();
     let objective_name = name_of(task.criterion).to_uppercase();
-    let paper = objective.cost(&GainsFile::paper());
     let best = search.best().map_or(f64::INFINITY, |b| b.cost);
     let Effort { simulated, skipped, diverged } = search.effort();
     let _ = writeln!(
@@ -122,15 +131,19 @@ pub(super) fn summary(
     );
     flight_rows(&mut table, flown);
     let _ = writeln!(text, "{table}");
+    text.push_str(&beside.text(&objective_name));
     text.push_str(&bound_warnings(task.bounds, found));
     text.push_str(&in_the_rigs_world(task, found, &objective_name));
     let _ = writeln!(text, "gains:   {}\nfigure:  {}", request.out.display(), task.plot.display());
-    let _ = writeln!(text, "fly it:  cargo run -p host-sim simulate --gains {}", shown(request.out));
+    let fly = next("simulate").unless("paper", "--preset", &request.named.name);
+    let fly = fly.with("--gains", request.out.display()).unless("step", "--scenario", &task.scenario_name);
+    let fly = fly.unless("ideal", "--fidelity", format!("{:?}", task.fidelity).to_lowercase());
+    let fly = task.horizon.map_or(fly.clone(), |seconds| fly.with("--duration", seconds));
+    let fly = fly.board(request.named.rig.board);
+    let lag = request.rotor_lag().filter(|_| task.fidelity == Fidelity::Rig);
+    let fly = lag.map_or(fly.clone(), |seconds| fly.with("--rotor-lag", seconds));
+    let _ = writeln!(text, "fly it:  {fly}");
     text
-}
-
-fn shown(path: &Path) -> String {
-    path.display().to_string()
 }
 
 fn gain_rows(table: &mut tables::Table, found: &GainsFile) {

@@ -13,6 +13,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use twinrotor_sim::error::{at_least, known_name};
+use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::rig::{self, NamedRig};
 use twinrotor_tune::checkpoint::Identity;
 use twinrotor_tune::optimise::{ALGORITHMS, MOST_EVALUATIONS, Searcher, Setup};
@@ -94,6 +95,18 @@ impl<'a> Request<'a> {
             shared,
             time_limit,
         })
+    }
+
+    /// Another lag of the rotors than the preset's.
+    pub(super) fn rotor_lag(&self) -> Option<f64> {
+        self.shared.common.rotor_lag
+    }
+
+    /// What a board flies the preset with, and what that is called; a rig of one's own has none.
+    pub(super) fn own(&self) -> Option<(String, GainsFile)> {
+        let name = &self.named.name;
+        let controller = twinrotor::defaults::named(name)?;
+        Some((format!("gains/{name}.toml"), GainsFile { controller, provenance: None }))
     }
 
     /// About how many candidates fly at once.

@@ -1,9 +1,11 @@
 //! `tune --objective robust`: any parameter of any controller, on many plants at once.
 
+use super::beside::{Beside, What};
 use super::proof::Proof;
 use super::report::Run;
 use super::request::{Request, left};
 use crate::cli::common::{End, Spreads, no_effect, within};
+use crate::cli::next::next;
 use crate::cli::{choices, print, print_json, tables};
 use crate::device;
 use crate::error::{Failure, Outcome};
@@ -16,8 +18,9 @@ use twinrotor_sim::error::{at_least, known_name};
 use twinrotor_sim::gains_file::{GainsFile, Provenance};
 use twinrotor_sim::scenario::SAMPLE_TIME;
 use twinrotor_tune::design::CATALOGUE;
+use twinrotor_tune::optimise::Candidate;
 use twinrotor_tune::robust::{self, Limit, Plan, Robust, Terms, Trial};
-use twinrotor_tune::search::Search;
+use twinrotor_tune::search::{Problem, Search};
 use twinrotor_tune::tunable::Tunable;
 
 /// Flags that act on the robust objective.
@@ -107,6 +110,12 @@ impl Args {
         }
     }
 
+    /// What the start is called.
+    fn told_start(&self) -> String {
+        let design = || format!("the design '{}'", self.controller.as_deref().unwrap_or("integral"));
+        self.start.clone().unwrap_or_else(design)
+    }
+
     /// The controller that the search starts from: a gains file's, or a design of the catalogue.
     fn start(&self, request: &Request<'_>) -> Outcome<ControllerSettings<f64>> {
         if let Some(path) = &self.start {
@@ -135,6 +144,8 @@ struct Document<'a> {
     step_total: Option<f64>,
     /// What came of flying them beyond the objective.
     proof: Option<&'a Proof>,
+    #[serde(flatten)]
+    beside: Option<&'a Beside>,
     gains: &'a GainsFile,
 }
 
@@ -193,7 +204,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     let mut outputs = request.outputs.take();
     outputs.write(request.out, file.to_toml().as_bytes());
     drop(listening);
-    let document = |scores: Option<&[robust::Score]>, proof| Document {
+    let document = |scores: Option<&[robust::Score]>, proof, beside| Document {
         run: Run::new(request, &search, trial.steps() as f64 * SAMPLE_TIME),
         objective: "robust",
         plants,
@@ -201,6 +212,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
         lag_spread: scatter.lag,
         scenes,
         proof,
+        beside,
         cuts: scores.map(|scores| scores.iter().filter(|s| s.cut.is_some()).count()),
         step_total: scores.map(robust::step_total),
         terms: scores.map(|scores| Terms::mean(scores.iter().map(robust::Score::terms))),
@@ -209,19 +221,34 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     };
     if stop::requested() || end == End::Device {
         if request.json {
-            print_json(&document(None, None))?;
+            print_json(&document(None, None, None))?;
         }
         return left(request, &search, outputs);
     }
 
     let fly = |controller| here.scores(controller);
     let (before, after) = (fly(&start), fly(&found));
+    // What was minimised, limits and all: the search begins with the start, at no other cost.
+    let cost = |tunable: &Tunable| {
+        let unmoved = vec![0.0; tunable.names().len()];
+        let problem = Robust::new(&here, tunable).within(&limits).with_lags(&lags);
+        problem.costs(&[Candidate { position: unmoved, bound: f64::INFINITY }])[0]
+    };
+    let mut compared = vec![(What::Start, args.told_start(), cost(&tunable))];
+    match request.own() {
+        Some((_, own)) if own.controller == start => {
+            compared[0].1 = format!("{}, the preset's own gains", compared[0].1);
+        }
+        Some((name, own)) => compared.push((What::Own, name, cost(&Tunable::new(&own.controller, &[])?))),
+        None => {}
+    }
+    let beside = Beside::new(best.cost, search.evaluations(), compared);
     if request.json {
-        print_json(&document(Some(&after), Some(&proof)))?;
+        print_json(&document(Some(&after), Some(&proof), Some(&beside)))?;
     } else {
         let tuned =
             Tunable::new(&found, &args.parameters).map_or_else(|_| Vec::new(), |t| t.start().to_vec());
-        let summary = summary(request, &tunable, &search, &tuned, [&before, &after]);
+        let summary = summary(request, &tunable, &search, &tuned, [&before, &after], &beside);
         let note = request.found.note(request.generation() * plants, device::RIG_FLIGHTS);
         print(&format!("{summary}{}{}{note}", proof.text(), outputs.unwritten()))?;
     }
@@ -240,6 +267,7 @@ fn summary(
     search: &Search,
     tuned: &[f64],
     [before, after]: [&[robust::Score]; 2],
+    beside: &Beside,
 ) -> String {
     let mut text = format!(
         "{} on preset {}, robust objective, {} plants: {} evaluations in {:.1} s\n",
@@ -289,8 +317,10 @@ fn summary(
     let cuts = |scores: &[robust::Score]| scores.iter().filter(|s| s.cut.is_some()).count().to_string();
     tables::add(&mut table, ["of these cut by the board".to_owned(), cuts(before), cuts(after)]);
     let out = request.out.display();
-    let _ = writeln!(text, "{table}\ngains: {out}");
-    let preset = &request.named.name;
-    let _ = writeln!(text, "fly it: cargo run --release -p host-sim -- fly --preset {preset} --gains {out}");
+    let minimised = beside.text("J, raised where a limit is not kept");
+    let _ = writeln!(text, "{table}\n{minimised}gains: {out}");
+    let fly = next("fly").with("--preset", &request.named.name).with("--gains", out);
+    let fly = fly.board(request.named.rig.board);
+    let _ = writeln!(text, "fly it: {fly}");
     text
 }

@@ -5,6 +5,12 @@
 #![allow(non_snake_case, reason = "the standard's names")]
 #![allow(clippy::missing_safety_doc, reason = "what C must keep to is the standard's text")]
 
+mod absent;
+mod state;
+
+pub use absent::*;
+pub use state::*;
+
 use crate::design::Design;
 use crate::model::Model;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -279,187 +285,11 @@ pub unsafe extern "C" fn fmi2SetReal(
     unsafe { with(instance, act) }
 }
 
-/// See FMI 2.0.4, 2.1.8: a copy of the unit as it stands.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    let act = |instance: &mut Instance| {
-        // SAFETY: a place for a pointer, null or what this function gave before, by the standard's contract.
-        unsafe {
-            let there = state.read().cast::<Model>();
-            match there.as_mut() {
-                Some(there) => *there = instance.model.clone(),
-                None => state.write(Box::into_raw(Box::new(instance.model.clone())).cast()),
-            }
-        }
-        Ok(())
-    };
-    // SAFETY: see `with`.
-    unsafe { with(instance, act) }
-}
-
-/// See FMI 2.0.4, 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(instance: *mut c_void, state: *mut c_void) -> Status {
-    let act = |instance: &mut Instance| {
-        // SAFETY: what `fmi2GetFMUstate` gave, by the standard's contract.
-        let state = unsafe { state.cast::<Model>().as_ref() };
-        instance.model = state.ok_or((ERROR, "the state is a null pointer".to_owned()))?.clone();
-        Ok(())
-    };
-    // SAFETY: see `with`.
-    unsafe { with(instance, act) }
-}
-
-/// See FMI 2.0.4, 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    let act = |_: &mut Instance| {
-        // SAFETY: where what `fmi2GetFMUstate` gave stands, by the standard's contract.
-        unsafe {
-            if let Some(place) = state.as_mut()
-                && !place.is_null()
-            {
-                drop(Box::from_raw(place.cast::<Model>()));
-                *place = std::ptr::null_mut();
-            }
-        }
-        Ok(())
-    };
-    // SAFETY: see `with`.
-    unsafe { with(instance, act) }
-}
-
-/// A state that `fmi2GetFMUstate` gave, as bytes.
-unsafe fn bytes_of(state: *mut c_void) -> Result<Vec<u8>, (Status, String)> {
-    // SAFETY: what `fmi2GetFMUstate` gave, by the standard's contract.
-    let state = unsafe { state.cast::<Model>().as_ref() };
-    Ok(state.ok_or((ERROR, "the state is a null pointer".to_owned()))?.to_bytes())
-}
-
-/// See FMI 2.0.4, 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    instance: *mut c_void,
-    state: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    let act = |_: &mut Instance| {
-        // SAFETY: a state, and a place for a number, by the standard's contract.
-        unsafe { size.write(bytes_of(state)?.len()) };
-        Ok(())
-    };
-    // SAFETY: see `with`.
-    unsafe { with(instance, act) }
-}
-
-/// See FMI 2.0.4, 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    instance: *mut c_void,
-    state: *mut c_void,
-    place: *mut c_char,
-    size: usize,
-) -> Status {
-    let act = |_: &mut Instance| {
-        // SAFETY: a state, by the standard's contract.
-        let bytes = unsafe { bytes_of(state)? };
-        if bytes.len() > size {
-            return Err(failed(&Error::invalid("size", size, format!("at least {}", bytes.len()))));
-        }
-        // SAFETY: an array of `size`, by the standard's contract.
-        unsafe { place.cast::<u8>().copy_from_nonoverlapping(bytes.as_ptr(), bytes.len()) };
-        Ok(())
-    };
-    // SAFETY: see `with`.
-    unsafe { with(instance, act) }
-}
-
-/// See FMI 2.0.4, 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    instance: *mut c_void,
-    place: *const c_char,
-    size: usize,
-    state: *mut *mut c_void,
-) -> Status {
-    let act = |instance: &mut Instance| {
-        if place.is_null() {
-            return Err((ERROR, "the serialized state is a null pointer".to_owned()));
-        }
-        // SAFETY: an array of `size`, by the standard's contract.
-        let bytes = unsafe { std::slice::from_raw_parts(place.cast::<u8>(), size) };
-        let model = instance.fresh.from_bytes(bytes).map_err(|error| failed(&error))?;
-        // SAFETY: a place for a pointer, by the standard's contract.
-        unsafe { state.write(Box::into_raw(Box::new(model)).cast()) };
-        Ok(())
-    };
-    // SAFETY: see `with`.
-    unsafe { with(instance, act) }
-}
-
 /// See FMI 2.0.4, 4.2.2: a multiple of a tick, from where the unit stands.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(instance: *mut c_void, from: f64, size: f64, _no_set: c_int) -> Status {
     // SAFETY: see `with`.
     unsafe { with(instance, |instance| instance.model.step(from, size).map_err(|error| failed(&error))) }
-}
-
-/// Functions that a unit must have and that this one has nothing to say in: no numbers but real ones, no
-/// derivatives, no steps that are pending.
-macro_rules! none_of {
-    ($($name:ident($($argument:ident: $type:ty),*) -> $status:expr;)+) => {$(
-        #[doc = "See FMI 2.0.4: a unit has none of it."]
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(instance: *mut c_void, $($argument: $type),*) -> Status {
-            $(let _ = $argument;)*
-            let told = || concat!(stringify!($name), ": this unit has none of it").to_owned();
-            // SAFETY: see `with`.
-            unsafe { with(instance, |_| Err(($status, told()))) }
-        }
-    )+};
-}
-
-/// The same of arrays, which may be empty.
-macro_rules! empty {
-    ($($name:ident($($argument:ident: $type:ty),*);)+) => {$(
-        #[doc = "See FMI 2.0.4, 2.1.7: a unit has no such variables."]
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(
-            instance: *mut c_void,
-            _references: *const u32,
-            count: usize,
-            $($argument: $type),*
-        ) -> Status {
-            $(let _ = $argument;)*
-            let told = || concat!(stringify!($name), ": all variables of this unit are real").to_owned();
-            // SAFETY: see `with`.
-            unsafe { with(instance, |_| if count == 0 { Ok(()) } else { Err((ERROR, told())) }) }
-        }
-    )+};
-}
-
-empty! {
-    fmi2GetInteger(values: *mut c_int);
-    fmi2SetInteger(values: *const c_int);
-    fmi2GetBoolean(values: *mut c_int);
-    fmi2SetBoolean(values: *const c_int);
-    fmi2GetString(values: *mut *const c_char);
-    fmi2SetString(values: *const *const c_char);
-    fmi2SetRealInputDerivatives(orders: *const c_int, values: *const f64);
-    fmi2GetRealOutputDerivatives(orders: *const c_int, values: *mut f64);
-}
-
-none_of! {
-    fmi2GetDirectionalDerivative(
-        unknown: *const u32, unknowns: usize, known: *const u32, knowns: usize, seed: *const f64,
-        values: *mut f64
-    ) -> ERROR;
-    fmi2CancelStep() -> ERROR;
-    fmi2GetStatus(kind: c_int, value: *mut Status) -> DISCARD;
-    fmi2GetRealStatus(kind: c_int, value: *mut f64) -> DISCARD;
-    fmi2GetIntegerStatus(kind: c_int, value: *mut c_int) -> DISCARD;
-    fmi2GetBooleanStatus(kind: c_int, value: *mut c_int) -> DISCARD;
-    fmi2GetStringStatus(kind: c_int, value: *mut *const c_char) -> DISCARD;
 }
 
 #[cfg(test)]
