@@ -4,7 +4,7 @@ use super::{print, print_json};
 use crate::error::Outcome;
 use crate::files;
 use crate::files::output::{self, Outputs};
-use crate::report::{Report, Size};
+use crate::report::{Report, Size, Tally};
 use crate::threads;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
@@ -51,11 +51,14 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
         print_json(&report.document())?;
         return outputs.done();
     }
-    let [reproduced, ambiguous, not, undecided, given] = report.tally();
+    let Tally { checked, reproduced, within_ambiguity, not_reproduced, undecided, contradictions, given } =
+        report.tally();
     print(&format!(
-        "{reproduced} statements reproduced, {ambiguous} within the paper's ambiguity, {not} not reproduced, \
-         {undecided} undecided, {given} taken as given; {:.1} s\nreport: {}\n",
+        "of {checked} statements {reproduced} reproduced, {within_ambiguity} within the paper's ambiguity, \
+         {not_reproduced} not reproduced, {undecided} undecided; {contradictions} contradictions, {given} \
+         numbers taken as given; {:.1} s\n{}\nreport: {}\n",
         begun.elapsed().as_secs_f64(),
+        report.summary.last().map_or("", String::as_str),
         args.out.join("index.html").display()
     ))?;
     outputs.done()

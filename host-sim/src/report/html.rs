@@ -34,6 +34,7 @@ fn class(verdict: Verdict) -> &'static str {
         Verdict::WithinAmbiguity => "w",
         Verdict::NotReproduced => "n",
         Verdict::Undecided => "u",
+        Verdict::Contradictory => "x",
         Verdict::Given => "g",
     }
 }
@@ -98,9 +99,7 @@ fn section(
         }
         text.push_str("</tbody></table>\n");
     }
-    if let Some(measured) = &s.measured {
-        grid(text, measured);
-    }
+    s.measured.iter().for_each(|measured| grid(text, measured));
     s.pictures.iter().try_for_each(|p| picture(text, p))
 }
 
@@ -171,7 +170,7 @@ impl Report {
             self.size.plants
         );
         text.push_str("<div class=tally>");
-        for (verdict, count) in super::VERDICTS.into_iter().zip(self.tally()) {
+        for (verdict, count) in super::VERDICTS.into_iter().zip(self.tally().by_verdict()) {
             let kind = class(verdict);
             let _ = write!(text, "<a class={kind} href=#{kind}0>{count} {}</a>", verdict.words());
         }

@@ -15,7 +15,7 @@ use crate::files;
 use crate::files::output::{self, Outputs};
 use part::{Flown, Head};
 use std::path::{Path, PathBuf};
-use told::Told;
+use told::{More, Told, Tuned};
 use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::PlantParameters;
@@ -118,9 +118,10 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let found = args.device.find()?;
     let trial = trial(args, &named, &scatter)?.on(found.device());
     let mut outputs = outputs(args, &named)?;
-    if let Some(rounds) = args.tune {
-        tune_all(args, &named, rounds, &scatter, &mut outputs)?;
-    }
+    let tunings = match args.tune {
+        Some(rounds) => tune_all(args, &named, rounds, &scatter, &mut outputs)?,
+        None => Vec::new(),
+    };
     let controllers = controllers(args, &named)?;
     let scenario = args.scenario.as_deref().map(|name| scenario::read(args, name)).transpose()?;
     let head = Head {
@@ -151,7 +152,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let (Some(folder), Flown::Steps(scores)) = (&args.worst, &flown) {
         note += &worst::write(folder, &args.common.preset, &trial, &controllers, scores, &mut outputs);
     }
-    told::show(&head, &flown, wrong, &args.told, args.common.json, &note, &mut outputs)?;
+    note += &tunings.iter().map(Tuned::warnings).collect::<String>();
+    let more = More { lags: wrong, tunings, note };
+    told::show(&head, &flown, more, &args.told, args.common.json, &mut outputs)?;
     outputs.done()
 }
 
@@ -300,12 +303,17 @@ fn tune_all(
     rounds: usize,
     scatter: &Scatter,
     outputs: &mut Outputs,
-) -> Outcome<()> {
+) -> Outcome<Vec<Tuned>> {
     let tuning = Tuning::standard(named, rounds, args.common.seed, scatter);
+    let mut all = Vec::new();
     for (name, design) in tuned(args) {
-        outputs.write(&compared_path(args, named, name), tuning.run(design)?.to_toml().as_bytes());
+        let tuned = tuning.run(design)?;
+        outputs.write(&compared_path(args, named, name), tuning.file(&tuned).to_toml().as_bytes());
+        let (evaluations, cost, failures) = (tuned.evaluations(), tuned.cost(), tuning.failures(&tuned));
+        let at_bounds = tuned.at_bounds();
+        all.push(Tuned { name, rounds, evaluations, cost, failures, at_bounds });
     }
-    Ok(())
+    Ok(all)
 }
 
 /// What is tuned for the comparison.

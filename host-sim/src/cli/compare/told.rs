@@ -16,6 +16,7 @@ use twinrotor_plot::Figure;
 use twinrotor_sim::flight::Fidelity;
 use twinrotor_sim::table::{Column, Table};
 use twinrotor_tune::robust::{LagRow, Row, SceneRow, Scenes, Score};
+use twinrotor_tune::tunable::AtBound;
 
 /// Flags of `compare` and of `merge`: where it goes beside the terminal.
 #[derive(Debug, clap::Args)]
@@ -62,18 +63,60 @@ struct Document<'a> {
     seed: u64,
     rotor_lag: PerMotor<f64>,
     controllers: Vec<Row>,
+    /// What was tuned first, where something was.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tunings: Vec<Tuned>,
 }
 
-/// Tells what came of it, with a `note` under the table; `lags`: of each controller, where there are any.
+/// A controller that was tuned before it was compared.
+#[derive(Debug, Serialize)]
+pub(super) struct Tuned {
+    pub(super) name: &'static str,
+    pub(super) rounds: usize,
+    pub(super) evaluations: usize,
+    /// J on the plants that it was tuned on.
+    pub(super) cost: f64,
+    /// Plants of these on which it fails.
+    pub(super) failures: usize,
+    /// What its last round has left at a bound of its box.
+    pub(super) at_bounds: Vec<AtBound>,
+}
+
+impl Tuned {
+    /// What says that more rounds may find less.
+    pub(super) fn warnings(&self) -> String {
+        let Self { name, failures, .. } = self;
+        let mut told: Vec<String> =
+            self.at_bounds.iter().map(|end| format!("{end} of the last round")).collect();
+        if *failures > 0 {
+            told.push(format!("fails on {failures} of the plants that it was tuned on"));
+        }
+        let told =
+            told.iter().map(|what| format!("warning: {name}: {what}: more may be had with more rounds\n"));
+        told.collect()
+    }
+}
+
+/// What there is beside the flights.
+#[derive(Debug, Default)]
+pub(super) struct More {
+    /// Of each controller, where there are any.
+    pub(super) lags: Vec<Vec<LagRow>>,
+    pub(super) tunings: Vec<Tuned>,
+    /// Under the table.
+    pub(super) note: String,
+}
+
+/// Tells what came of it.
 pub(super) fn show(
     head: &Head,
     flown: &Flown,
-    mut lags: Vec<Vec<LagRow>>,
+    more: More,
     told: &Told,
     json: bool,
-    note: &str,
     outputs: &mut Outputs,
 ) -> Outcome<()> {
+    let More { mut lags, tunings, note } = more;
     let Told { export, plot, report: folder } = told;
     let scores = match flown {
         Flown::Scenario(scenario, flights) => return scenario::show(head, scenario, flights, json),
@@ -115,6 +158,7 @@ pub(super) fn show(
             seed: head.seed,
             rotor_lag: head.rotor_lag,
             controllers: rows,
+            tunings,
         })
     } else {
         print(&format!("{}{note}", report(head, &rows)))
@@ -140,12 +184,15 @@ fn page(head: &Head, rows: &[Row], figure: Figure, folder: &Path, outputs: &mut 
     };
     let section = |title: &str| Section { title: title.to_owned(), ..Section::default() };
     let sections = [
-        Section { measured: Some(grid), pictures: vec![picture], ..section("Controllers") },
-        Section { measured: scenes(rows), ..section("Scenes beside the step") },
-        Section { measured: wrong_lags(rows), ..section("Lags that are not those believed") },
-        Section { measured: Some(uses), ..section("What stands around each law") },
+        Section { measured: vec![grid], pictures: vec![picture], ..section("Controllers") },
+        Section { measured: scenes(rows).into_iter().collect(), ..section("Scenes beside the step") },
+        Section {
+            measured: wrong_lags(rows).into_iter().collect(),
+            ..section("Lags that are not those believed")
+        },
+        Section { measured: vec![uses], ..section("What stands around each law") },
     ];
-    let flown = sections.iter().filter(|section| section.measured.is_some()).cloned().collect::<Vec<_>>();
+    let flown = sections.iter().filter(|section| !section.measured.is_empty()).cloned().collect::<Vec<_>>();
     let all = if head.scenes == Scenes::All { " --scenes all" } else { "" };
     let text = format!(
         "{} plants drawn around {}, none of which a controller was tuned on; constants and thrust within \

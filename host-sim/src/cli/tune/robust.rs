@@ -194,7 +194,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     outputs.write(request.out, file.to_toml().as_bytes());
     drop(listening);
     let document = |scores: Option<&[robust::Score]>, proof| Document {
-        run: Run::new(request, &search, trial.steps() as f64 * SAMPLE_TIME),
+        run: Run::new(request, &search, trial.steps() as f64 * SAMPLE_TIME, search.at_bounds_of(&tunable)),
         objective: "robust",
         plants,
         spread: scatter.constants,
@@ -288,8 +288,12 @@ fn summary(
     tables::add(&mut table, ["failures".to_owned(), failures(before), failures(after)]);
     let cuts = |scores: &[robust::Score]| scores.iter().filter(|s| s.cut.is_some()).count().to_string();
     tables::add(&mut table, ["of these cut by the board".to_owned(), cuts(before), cuts(after)]);
+    let _ = writeln!(text, "{table}");
+    for end in search.at_bounds_of(tunable) {
+        let _ = writeln!(text, "warning: {end} of the last round: more may be had with more --rounds");
+    }
     let out = request.out.display();
-    let _ = writeln!(text, "{table}\ngains: {out}");
+    let _ = writeln!(text, "gains: {out}");
     let preset = &request.named.name;
     let _ = writeln!(text, "fly it: cargo run --release -p host-sim -- fly --preset {preset} --gains {out}");
     text
