@@ -31,6 +31,8 @@ pub mod lanes;
 #[cfg(feature = "std")]
 pub mod linear;
 #[cfg(feature = "std")]
+mod located;
+#[cfg(feature = "std")]
 pub mod margins;
 pub mod metrics;
 #[cfg(feature = "std")]

@@ -124,6 +124,21 @@ pub(super) fn truth(rig: Option<&str>, lag: Option<f64>, named: &NamedRig) -> Ou
     Ok(truth)
 }
 
+/// The command as it was typed, so that what it wrote says how to write it again.
+pub(super) fn typed() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
+    let quoted = |arg: std::ffi::OsString| {
+        let arg = arg.to_string_lossy().into_owned();
+        if !arg.is_empty() && arg.chars().all(plain) {
+            arg
+        } else {
+            format!("'{}'", arg.replace('\'', "'\\''"))
+        }
+    };
+    let args = std::env::args_os().skip(1).map(quoted);
+    std::iter::once("host-sim".to_owned()).chain(args).collect::<Vec<_>>().join(" ")
+}
+
 /// Refuses, in the paper's world, what of a scenario it does not have.
 pub(super) fn refuse_in_ideal_world(scenario: &Scenario, fidelity: Fidelity) -> Outcome<()> {
     match scenario.of_the_rigs_world() {

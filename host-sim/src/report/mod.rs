@@ -173,6 +173,8 @@ pub struct Report {
     pub size: Size,
     /// Of everything random.
     pub seed: u64,
+    /// Controllers of one's own that were asked for, as they were named.
+    pub own: Vec<String>,
     /// The result, in three sentences.
     pub summary: Vec<String>,
     /// In the paper's order.
@@ -209,7 +211,8 @@ impl Report {
         sections.push(claims::claims(&searches, seed)?);
         sections.push(claims::contradictions());
         sections.push(responses::fan(size, seed)?);
-        let mut report = Self { size, seed, summary: vec![], sections };
+        let own = own.iter().map(|(name, _)| name.trim_end_matches(" (untuned)").to_owned()).collect();
+        let mut report = Self { size, seed, own, summary: vec![], sections };
         report.summary = report.summarised(&searches);
         Ok(report)
     }

@@ -11,7 +11,7 @@ fn statement(what: &str, verdict: Verdict) -> Entry {
 
 fn report(entries: Vec<Entry>) -> Report {
     let sections = vec![Section { entries, ..Section::default() }, claims::contradictions()];
-    Report { size: Size::QUICK, seed: 1, summary: Vec::new(), sections }
+    Report { size: Size::QUICK, seed: 1, own: Vec::new(), summary: Vec::new(), sections }
 }
 
 /// A place where the paper contradicts itself, or a number that is only taken over, is nothing that could
@@ -103,4 +103,81 @@ fn no_verdict_is_given_against_who_is_at_a_bound() {
             assert!(all.remark.contains("is not done") || !all.remark.contains("open"), "{}", all.remark);
         }
     }
+}
+
+/// Lab of a colour to eyes that see linear light through `cones` (D65).
+fn lab(colour: [u8; 3], cones: [[f64; 3]; 3]) -> [f64; 3] {
+    let linear = colour.map(|c| {
+        let c = f64::from(c) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    });
+    let dot = |row: [f64; 3], of: [f64; 3]| row.iter().zip(of).map(|(a, b)| a * b).sum::<f64>();
+    let seen = cones.map(|row| dot(row, linear).clamp(0.0, 1.0));
+    let root = |t: f64| if t > 0.008_856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 };
+    let [x, y, z] = [
+        dot([0.4124, 0.3576, 0.1805], seen) / 0.95047,
+        dot([0.2126, 0.7152, 0.0722], seen),
+        dot([0.0193, 0.1192, 0.9505], seen) / 1.08883,
+    ]
+    .map(root);
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// In the light and in the dark, to everyone (Machado, Oliveira, Fernandes 2009, severity 1).
+#[test]
+fn any_two_series_of_a_figure_have_colours_that_can_be_told_apart() {
+    let eyes = [
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    ];
+    let style = include_str!("style.css");
+    let themes: Vec<Vec<[u8; 3]>> = style
+        .split(":root{")
+        .skip(1)
+        .map(|theme| {
+            let of = |k: usize| {
+                let hex = theme.split(&format!("--c{k}:#")).nth(1).unwrap().get(..6).unwrap();
+                [0, 2, 4].map(|at| u8::from_str_radix(&hex[at..at + 2], 16).unwrap())
+            };
+            (0..twinrotor_plot::SERIES).map(of).collect()
+        })
+        .collect();
+    assert_eq!(themes.len(), 2);
+    let drawn: Vec<[u8; 3]> = twinrotor_plot::COLOURS.iter().map(|c| [c.0, c.1, c.2]).collect();
+    assert_eq!(themes[0], drawn[..twinrotor_plot::SERIES], "a figure alone and on the page");
+    for (theme, colours) in themes.iter().enumerate() {
+        for (k, one) in colours.iter().enumerate() {
+            for other in &colours[..k] {
+                for cones in eyes {
+                    let [a, b] = [one, other].map(|c| lab(*c, cones));
+                    let apart = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                    assert!(apart > 20.0, "theme {theme}: {one:?} and {other:?} are {apart} apart");
+                }
+            }
+        }
+    }
+    // Beyond six the stroke tells.
+    let all: std::collections::BTreeSet<String> =
+        (0..13).map(|k| format!("{:?}", twinrotor_plot::series(k))).collect();
+    assert_eq!(all.len(), 13);
+}
+
+/// A table that does not fit says so, and how the page was made says with which controllers.
+#[test]
+fn a_wide_table_has_a_hint_and_the_command_its_controllers() {
+    let grid = |columns: usize| Grid {
+        name: format!("of-{columns}"),
+        heads: (0..columns).map(|k| k.to_string().into()).collect(),
+        rows: Vec::new(),
+        note: String::new(),
+    };
+    let mut told = report(Vec::new());
+    told.own = vec!["mine.toml".to_owned(), "lqi-plus".to_owned()];
+    told.sections[0].measured = vec![grid(2), grid(6), grid(14)];
+    let page = told.to_html().unwrap();
+    assert!(page.contains("reproduce --quick --controllers mine.toml,lqi-plus --seed 1"), "{page}");
+    assert_eq!(page.matches("<p class=\"hint\">").count(), 1);
+    assert_eq!(page.matches("<p class=\"hint many\">").count(), 1);
 }
