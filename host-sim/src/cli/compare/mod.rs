@@ -8,7 +8,7 @@ mod table;
 mod told;
 mod worst;
 
-use super::common::{Common, Device, Spreads, bar, no_effect, pair, truth, within};
+use super::common::{self, Common, Device, Spreads, bar, no_effect, pair, truth, within};
 use super::{choices, who};
 use crate::device;
 use crate::error::{Failure, Outcome};
@@ -33,6 +33,13 @@ const BLOCK: usize = 1 << 20;
 
 /// What is told of all parts together, or done before there are any.
 const NOT_OF_A_PART: [&str; 7] = ["export", "plot", "report", "against", "worst", "tune", "json"];
+
+/// The command without what changes nothing of the numbers.
+fn typed_but(args: impl Iterator<Item = String>) -> String {
+    const GOES: [&str; 8] =
+        ["--report", "--plot", "--export", "--worst", "--shard", "--out", "--threads", "--device"];
+    common::typed(args, &GOES, &["--json"])
+}
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -122,7 +129,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     };
     let controllers = who::all(&args.controllers, &args.gains, &named)?;
     let scenario = args.scenario.as_deref().map(|name| scenario::read(args, name)).transpose()?;
+    let typed = std::env::args_os().skip(1).map(|arg| arg.to_string_lossy().into_owned());
     let head = Head {
+        command: typed_but(typed),
         preset: named.name.clone(),
         plants: args.plants,
         scatter,

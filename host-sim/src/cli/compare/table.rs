@@ -1,7 +1,7 @@
 //! A comparison as tables: on the terminal, and as a page.
 
 use super::part::Head;
-use crate::cli::{common, tables};
+use crate::cli::tables;
 use crate::error::Outcome;
 use crate::files::output::Outputs;
 use crate::report::{self, Grid, Picture, Section};
@@ -169,13 +169,13 @@ pub(super) fn page(
     let beside = if head.scenes == Scenes::All { ", the step and all scenes" } else { "" };
     let text = format!(
         "{} plants drawn around {} by seed {}, none of which a controller was tuned on; constants and thrust \
-         within {} %, rotor lags within {} %{beside}. {}, version {}.",
+         within {} %, rotor lags within {} %{beside}. {}; version {}.",
         head.plants,
         head.preset,
         head.seed,
         100.0 * head.scatter.constants,
         100.0 * head.scatter.lag,
-        common::typed(),
+        head.command,
         env!("CARGO_PKG_VERSION")
     );
     report::write_page(&format!("Controllers on {}", head.preset), &text, &flown, folder, outputs)
