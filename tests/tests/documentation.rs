@@ -208,3 +208,26 @@ fn no_two_pages_write_the_same_file() {
     by_name.retain(|_, documents| documents.len() > 1);
     assert!(by_name.is_empty(), "{by_name:?}");
 }
+
+/// Who tries the commands has no new files to tell from the repository's.
+#[test]
+fn what_commands_write_by_default_is_ignored() {
+    let ignored = fs::read_to_string(root().join(".gitignore")).unwrap();
+    let ignored: Vec<&str> = ignored.lines().collect();
+    let manual = fs::read_to_string(root().join("docs/commands.md")).unwrap();
+    let mut seen = 0;
+    for flag in manual.split("--out <").skip(1) {
+        let words =
+            flag.split("\n      --").next().unwrap_or_default().split("\n\n").next().unwrap_or_default();
+        let Some((_, name)) = words.split_once("[default: ") else { continue };
+        let name = name.split(']').next().unwrap_or_default();
+        let ending = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let lines = [format!("/{name}"), format!("/{name}/"), format!("/*.{ending}")];
+        assert!(lines.iter().any(|line| ignored.contains(&line.as_str())), "{name} is not ignored");
+        seen += 1;
+    }
+    assert!(seen >= 6, "only {seen} defaults were found");
+    for name in ["/report/", "/*.svg", "/*.csv"] {
+        assert!(ignored.contains(&name), "{name}");
+    }
+}

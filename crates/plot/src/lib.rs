@@ -9,7 +9,7 @@ pub mod moving;
 pub mod pixels;
 
 use labels::{number, power};
-pub use line::{Line, Stroke};
+pub use line::{Line, SERIES, Stroke, series};
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::sync::Once;
@@ -64,15 +64,16 @@ pub enum Layout {
 /// A colour: red, green, blue.
 pub use plotters::style::RGBColor as Colour;
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart: blue, vermilion, green, purple, orange,
-/// sky, grey.
+/// Blue, vermilion, green, mauve, wine, olive and, for what is no series, grey. Okabe and Ito's first two, and
+/// others found for them, so that any two of the six are apart in Lab by 20 and more to everyone: as they are
+/// and with red, green or blue cones missing (Machado, Oliveira, Fernandes 2009); all stand out from white.
 pub const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
+    RGBColor(0, 177, 100),
+    RGBColor(178, 123, 160),
+    RGBColor(102, 26, 51),
+    RGBColor(60, 73, 0),
     RGBColor(110, 110, 110),
 ];
 
@@ -269,6 +270,11 @@ impl Panel {
                 Stroke::Dashed => {
                     area.draw(&PathElement::new(vec![(x, y), (x + 7, y)], style))?;
                     area.draw(&PathElement::new(vec![(x + 12, y), (x + 19, y)], style))?;
+                }
+                Stroke::Dotted => {
+                    for dot in 0..4 {
+                        area.draw(&PathElement::new(vec![(x + 6 * dot, y), (x + 6 * dot + 2, y)], style))?;
+                    }
                 }
                 Stroke::Solid | Stroke::Thin => {
                     area.draw(&PathElement::new(vec![(x, y), (x + 22, y)], style))?;

@@ -28,12 +28,24 @@ pub enum Stroke {
     Solid,
     /// In dashes.
     Dashed,
+    /// In short dashes, further apart.
+    Dotted,
     /// Through, and thin: one of many.
     Thin,
     /// A dot at each point and nothing between.
     Dots,
     /// A ring at each point and nothing between.
     Rings,
+}
+
+/// How many lines of a figure differ in colour alone: all of [`COLOURS`] but the grey, which references have.
+pub const SERIES: usize = COLOURS.len() - 1;
+
+/// Colour and stroke of the `k`th of many lines: through, then in dashes, then in dots, each time in all
+/// colours.
+pub fn series(k: usize) -> (usize, Stroke) {
+    let strokes = [Stroke::Solid, Stroke::Dashed, Stroke::Dotted];
+    (k % SERIES, strokes[k / SERIES % strokes.len()])
 }
 
 type Axis = plotters::coord::types::RangedCoordf64;
@@ -55,7 +67,8 @@ impl Line {
             let ends = [w[0], w[1]].map(|p| chart.plotting_area().map_coordinate(&p));
             f64::hypot(f64::from(ends[0].0 - ends[1].0), f64::from(ends[0].1 - ends[1].1))
         });
-        let crowded = self.stroke == Stroke::Dashed && pixels.sum::<f64>() > MOST_DASHED;
+        let broken = matches!(self.stroke, Stroke::Dashed | Stroke::Dotted);
+        let crowded = broken && pixels.sum::<f64>() > MOST_DASHED;
         let points = points.into_iter();
         let style = self.style();
         match self.stroke {
@@ -68,6 +81,9 @@ impl Line {
             }
             Stroke::Dashed => {
                 chart.draw_series(DashedLineSeries::new(points.collect::<Vec<_>>(), 7, 5, style))?;
+            }
+            Stroke::Dotted => {
+                chart.draw_series(DashedLineSeries::new(points.collect::<Vec<_>>(), 2, 4, style))?;
             }
             Stroke::Dots => {
                 chart.draw_series(points.map(|p| Circle::new(p, 3, style.filled())))?;

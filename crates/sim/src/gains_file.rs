@@ -150,7 +150,9 @@ impl GainsFile {
     ///
     /// If it is not one of gains that can be flown.
     pub fn parse(name: &str, text: &str) -> Outcome<Self> {
-        let file: Self = crate::toml::parse(name, text).map_err(|error| blame_version(error, text))?;
+        let located = |error| crate::located::located(name, text).unwrap_or(error);
+        let file: Self =
+            crate::toml::parse(name, text).map_err(|error| blame_version(located(error), text))?;
         file.controller.validate().map_err(|e| Error::from(e).within(name))?;
         Ok(file)
     }

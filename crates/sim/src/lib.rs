@@ -29,6 +29,10 @@ pub mod judged;
 #[cfg(feature = "std")]
 pub mod lanes;
 #[cfg(feature = "std")]
+pub mod linear;
+#[cfg(feature = "std")]
+mod located;
+#[cfg(feature = "std")]
 pub mod margins;
 pub mod metrics;
 #[cfg(feature = "std")]

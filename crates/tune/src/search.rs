@@ -2,8 +2,9 @@
 //! resumed where it was broken off.
 
 use crate::checkpoint::{self, Identity};
-use crate::optimise::{Best, Candidate, Optimiser, Searcher};
+use crate::optimise::{Best, Candidate, Optimiser, Reached, Searcher};
 use crate::parallel::{NEVER, Stop};
+use crate::tunable::{AtBound, Tunable};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use twinrotor_sim::Outcome;
@@ -111,6 +112,12 @@ impl Search {
         let _: ControlFlow<()> = self.run(problem, NEVER, |_| ControlFlow::Continue(()));
     }
 
+    /// As [`Search::to_the_end`], after one round more than there were.
+    pub fn one_round_more(&mut self, problem: &dyn Problem) {
+        self.optimiser.add_round();
+        self.to_the_end(problem);
+    }
+
     fn note_improvement(&mut self) {
         let cost = self.cost();
         if self.history.last().is_none_or(|(_, before)| cost < *before) {
@@ -126,6 +133,18 @@ impl Search {
     /// The best so far; none if every candidate diverged.
     pub fn best(&self) -> Option<&Best> {
         self.optimiser.best()
+    }
+
+    /// Where the best so far lies at a bound of the box that was searched last, coordinate by coordinate:
+    /// more is to be had beyond it, or may be.
+    pub fn reached(&self) -> Vec<Reached> {
+        let bounds = self.optimiser.bounds();
+        bounds.zip(self.best()).map_or_else(Vec::new, |(bounds, best)| bounds.reached(&best.position))
+    }
+
+    /// The same, of parameters in their own names and units.
+    pub fn at_bounds_of(&self, tunable: &Tunable) -> Vec<AtBound> {
+        self.best().map_or_else(Vec::new, |best| tunable.at_bounds(&self.reached(), &best.position))
     }
 
     /// Evaluations used.

@@ -4,10 +4,37 @@
 //! `filter.bandwidth.pitch`. A search goes over their logarithms, around a controller to start from, since a
 //! gain's range spans factors, not differences.
 
+use crate::optimise::{Reached, Side};
+use serde::Serialize;
+use std::fmt;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::gains;
 use twinrotor::settings::{Field, Range};
 use twinrotor_sim::{Error, Outcome};
+
+/// A parameter that a search has left at a bound of the box it searched last: what is beyond it, no search
+/// has seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AtBound {
+    /// What it is called.
+    pub name: String,
+    /// Its value, in its own unit.
+    pub value: f64,
+    /// At which end of the box.
+    pub side: Side,
+    /// That end, in the same unit.
+    pub bound: f64,
+}
+
+impl fmt::Display for AtBound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let side = match self.side {
+            Side::Least => "lower",
+            Side::Most => "upper",
+        };
+        write!(f, "{} = {:.4} at the {side} bound {:.4}", self.name, self.value, self.bound)
+    }
+}
 
 /// Which parameters of a controller are tuned, and where the search begins.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,6 +93,17 @@ impl Tunable {
     /// The values that the search begins with.
     pub fn start(&self) -> &[f64] {
         &self.start
+    }
+
+    /// What was reached at `position`, in the parameters' own names and units.
+    pub fn at_bounds(&self, reached: &[Reached], position: &[f64]) -> Vec<AtBound> {
+        let told = |r: &Reached| {
+            let (field, start) = (self.fields.get(r.coordinate)?, self.start.get(r.coordinate)?);
+            let value = start * libm::exp(*position.get(r.coordinate)?);
+            let bound = start * libm::exp(r.bound);
+            Some(AtBound { name: field.name.to_owned(), value, side: r.side, bound })
+        };
+        reached.iter().filter_map(told).collect()
     }
 
     /// The controller at a position: the factor on each start value is exp(coordinate).

@@ -150,6 +150,28 @@ pub(super) fn truth(rig: Option<&str>, lag: Option<f64>, named: &NamedRig) -> Ou
     Ok(truth)
 }
 
+/// A command as it was typed, but for flags with a value and `switches` that change nothing of what comes out.
+pub(super) fn typed(args: impl Iterator<Item = String>, without: &[&str], switches: &[&str]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
+    let quoted = |arg: &str| {
+        let bare = !arg.is_empty() && arg.chars().all(plain);
+        if bare { arg.to_owned() } else { format!("'{}'", arg.replace('\'', "'\\''")) }
+    };
+    let mut kept = vec!["host-sim".to_owned()];
+    let mut args = args;
+    while let Some(arg) = args.next() {
+        let (flag, value) = arg.split_once('=').map_or((&*arg, false), |(flag, _)| (flag, true));
+        if without.contains(&flag) {
+            if !value {
+                args.next();
+            }
+        } else if !switches.contains(&flag) {
+            kept.push(quoted(&arg));
+        }
+    }
+    kept.join(" ")
+}
+
 /// Refuses, in the paper's world, what of a scenario it does not have.
 pub(super) fn refuse_in_ideal_world(scenario: &Scenario, fidelity: Fidelity) -> Outcome<()> {
     match scenario.of_the_rigs_world() {
@@ -262,4 +284,18 @@ pub(super) fn drawn(plot: Option<&Path>, outputs: &mut Outputs) -> Outcome<()> {
     let Some(path) = plot else { return Ok(()) };
     figure::check("--plot", path)?;
     outputs.writes("--plot", path)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_command_is_told_without_where_its_outputs_go() {
+        let typed =
+            "compare --report=page --preset aero2 --controllers a.toml,pid --plot x.svg --json --tune 4";
+        let args = typed.split(' ').chain(["--gains", "my gains"]).map(str::to_owned);
+        assert_eq!(
+            super::typed(args, &["--report", "--plot"], &["--json"]),
+            "host-sim compare --preset aero2 --controllers a.toml,pid --tune 4 --gains 'my gains'"
+        );
+    }
 }

@@ -27,6 +27,7 @@ mod reproduce;
 mod simulate;
 mod tables;
 mod tune;
+mod who;
 
 use crate::error::{Failure, Outcome};
 use crate::stop;

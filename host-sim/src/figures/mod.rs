@@ -5,7 +5,7 @@ pub mod residuals;
 
 use twinrotor::axes::PerMotor;
 use twinrotor_plot::flight::{dashed, line};
-use twinrotor_plot::{Band, COLOURS, Figure, Line, Panel, Stroke};
+use twinrotor_plot::{Band, Figure, Line, Panel, SERIES, Stroke, series};
 use twinrotor_sim::flight::{Flight, Reading, Row};
 use twinrotor_tune::contest::Peer;
 use twinrotor_tune::optimise::Compromise;
@@ -95,11 +95,11 @@ pub fn convergence(title: &str, peers: &[Peer], best_known: f64, budget: usize) 
         let [low, middle, high] = [0.25, 0.5, 0.75].map(|part| excess(peer, part));
         let points = low.into_iter().zip(high).map(|((x, low), (_, high))| (x, low, high)).collect();
         // With many methods the bands would hide each other.
-        if peers.len() <= COLOURS.len() {
-            panel.bands.push(Band { points, colour: k });
+        let (colour, stroke) = series(k);
+        if peers.len() <= SERIES {
+            panel.bands.push(Band { points, colour });
         }
-        let stroke = if k < COLOURS.len() { Stroke::Solid } else { Stroke::Dashed };
-        panel.lines.push(Line { name: peer.name.clone(), points: middle, colour: k, stroke });
+        panel.lines.push(Line { name: peer.name.clone(), points: middle, colour, stroke });
     }
     Figure { title: title.to_owned(), x_label: "evaluations".to_owned(), panels: vec![panel] }
 }
@@ -112,8 +112,8 @@ pub fn costs(title: &str, controllers: &[(String, &[Score])]) -> Figure {
         let share = |k: usize| 100.0 * k as f64 / scores.len() as f64;
         // A step at each plant.
         let steps = costs.iter().enumerate().flat_map(|(k, &cost)| [(cost, share(k)), (cost, share(k + 1))]);
-        let stroke = if k < COLOURS.len() { Stroke::Solid } else { Stroke::Dashed };
-        Line { name: name.clone(), points: steps.collect(), colour: k, stroke }
+        let (colour, stroke) = series(k);
+        Line { name: name.clone(), points: steps.collect(), colour, stroke }
     };
     let lines = controllers.iter().enumerate().map(curve).collect();
     let panel = Panel { y_label: "plants that cost no more [%]".to_owned(), lines, ..Panel::default() };

@@ -20,7 +20,7 @@ pub(super) fn claims(searches: &Searches, seed: u64) -> Outcome<Section> {
         title: "Claims in words".to_owned(),
         text: String::new(),
         entries: vec![criteria(searches)?, lyapunov(searches)?, trade_off, rejection(seed)?],
-        measured: None,
+        measured: vec![],
         pictures: vec![picture],
     })
 }
@@ -244,7 +244,7 @@ pub(super) fn contradictions() -> Section {
         entries: list
             .map(|(what, one, other, done)| {
                 let paper = if other.is_empty() { one.to_owned() } else { format!("{one} / {other}") };
-                entry(what, &paper, done, Verdict::WithinAmbiguity, "")
+                entry(what, &paper, done, Verdict::Contradictory, "")
             })
             .into(),
         ..Section::default()

@@ -6,6 +6,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use twinrotor_plot::{COLOURS, Colour, GRID, Layout, SOFT};
 
+/// Columns that a telephone shows at once.
+const FEW: usize = 2;
+/// Columns that a desk shows at once.
+const MANY: usize = 10;
+
 const STYLE: &str = include_str!("style.css");
 
 fn escaped(text: &str) -> String {
@@ -34,6 +39,7 @@ fn class(verdict: Verdict) -> &'static str {
         Verdict::WithinAmbiguity => "w",
         Verdict::NotReproduced => "n",
         Verdict::Undecided => "u",
+        Verdict::Contradictory => "x",
         Verdict::Given => "g",
     }
 }
@@ -98,9 +104,7 @@ fn section(
         }
         text.push_str("</tbody></table>\n");
     }
-    if let Some(measured) = &s.measured {
-        grid(text, measured);
-    }
+    s.measured.iter().for_each(|measured| grid(text, measured));
     s.pictures.iter().try_for_each(|p| picture(text, p))
 }
 
@@ -108,9 +112,15 @@ fn grid(text: &mut String, g: &Grid) {
     let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
         cells.map(|c| format!("<{tag}>{}</{tag}>", escaped(c))).collect::<String>()
     };
+    // A telephone shows two or three columns at once, a desk a dozen; the rest is beyond the edge.
+    let many = if g.heads.len() > MANY { " many" } else { "" };
+    if g.heads.len() > FEW {
+        let _ =
+            write!(text, "<p class=\"hint{many}\">Wider than the screen: the table scrolls sideways →</p>");
+    }
     let _ = write!(
         text,
-        "<div class=grid id={}><table><thead><tr>{}</tr></thead><tbody>",
+        "<div class=\"grid{many}\" id={} tabindex=0><table><thead><tr>{}</tr></thead><tbody>",
         g.name,
         cells("th", &mut g.heads.iter().map(|h| &**h))
     );
@@ -155,6 +165,10 @@ impl Report {
     /// If a figure cannot be drawn.
     pub fn to_html(&self) -> Outcome<String> {
         let mut text = head("The paper, reproduced");
+        let own = match &self.own[..] {
+            [] => String::new(),
+            own => format!(" --controllers {}", own.join(",")),
+        };
         let _ = write!(
             text,
             "<h1>Backstepping control of Quanser's 2-DOF Helicopter, reproduced</h1>\n\
@@ -162,16 +176,17 @@ impl Report {
              <p class=soft>The paper: “Backstepping control of Quanser's 2-DOF Helicopter under disturbance \
              and actuator saturation based on Flower Pollination Algorithm”. Its tables, figures and claims \
              stand here in its order, each beside what was computed in one run by <code>host-sim \
-             reproduce{} --seed {}</code>, version {}: {} seeds of each search, {} plants.</p>\n",
+             reproduce{}{} --seed {}</code>, version {}: {} seeds of each search, {} plants.</p>\n",
             escaped(&self.summary.join(" ")),
             if self.size == Size::QUICK { " --quick" } else { "" },
+            escaped(&own),
             self.seed,
             env!("CARGO_PKG_VERSION"),
             self.size.seeds,
             self.size.plants
         );
         text.push_str("<div class=tally>");
-        for (verdict, count) in super::VERDICTS.into_iter().zip(self.tally()) {
+        for (verdict, count) in super::VERDICTS.into_iter().zip(self.tally().by_verdict()) {
             let kind = class(verdict);
             let _ = write!(text, "<a class={kind} href=#{kind}0>{count} {}</a>", verdict.words());
         }

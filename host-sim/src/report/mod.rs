@@ -5,6 +5,7 @@ mod grid;
 mod html;
 mod measure;
 mod responses;
+mod rivals;
 mod search;
 mod tables;
 
@@ -29,16 +30,19 @@ pub enum Verdict {
     NotReproduced,
     /// What was computed does not tell the two apart.
     Undecided,
+    /// The paper says it in two ways: nothing to reproduce, but a choice to make.
+    Contradictory,
     /// Nothing to reproduce: taken as it is printed.
     Given,
 }
 
 /// All there are.
-const VERDICTS: [Verdict; 5] = [
+const VERDICTS: [Verdict; 6] = [
     Verdict::Reproduced,
     Verdict::WithinAmbiguity,
     Verdict::NotReproduced,
     Verdict::Undecided,
+    Verdict::Contradictory,
     Verdict::Given,
 ];
 
@@ -53,6 +57,7 @@ impl Verdict {
             Self::WithinAmbiguity => "within its ambiguity",
             Self::NotReproduced => "not reproduced",
             Self::Undecided => "undecided",
+            Self::Contradictory => "contradicts itself",
             Self::Given => "given",
         }
     }
@@ -109,8 +114,8 @@ pub struct Section {
     pub text: String,
     /// Statements.
     pub entries: Vec<Entry>,
-    /// What was measured for them, if it is more than a statement holds.
-    pub measured: Option<Grid>,
+    /// What was measured for them, where it is more than a statement holds.
+    pub measured: Vec<Grid>,
     /// Pictures.
     pub pictures: Vec<Picture>,
 }
@@ -124,8 +129,12 @@ pub struct Size {
     pub evaluations: usize,
     /// Plants of the fan.
     pub fan: usize,
-    /// Evaluations for tuning each controller of Table 6, each time.
+    /// Evaluations of each round of tuning a controller of Table 6.
     pub tuning: usize,
+    /// Rounds that each of them gets.
+    pub rounds: usize,
+    /// Rounds that they get at most, while one that loses is not done.
+    pub most_rounds: usize,
     /// Times that each of them is tuned, each with another seed.
     pub tunings: u64,
     /// Plants that it is tested on.
@@ -133,11 +142,28 @@ pub struct Size {
 }
 
 impl Size {
-    /// For a first look, in a second or two: few verdicts about controllers can be decided.
-    pub const QUICK: Self = Self { seeds: 3, evaluations: 300, fan: 12, tuning: 60, tunings: 3, plants: 32 };
+    /// For a first look, in a second or two: it decides nothing about tuned controllers.
+    pub const QUICK: Self = Self {
+        seeds: 3,
+        evaluations: 300,
+        fan: 12,
+        tuning: 60,
+        rounds: 1,
+        most_rounds: 1,
+        tunings: 3,
+        plants: 32,
+    };
     /// What verdicts are worth.
-    pub const FULL: Self =
-        Self { seeds: 30, evaluations: 1550, fan: 60, tuning: 400, tunings: 3, plants: 300 };
+    pub const FULL: Self = Self {
+        seeds: 30,
+        evaluations: 1550,
+        fan: 60,
+        tuning: 500,
+        rounds: 4,
+        most_rounds: 8,
+        tunings: 3,
+        plants: 300,
+    };
 }
 
 /// Everything.
@@ -147,6 +173,8 @@ pub struct Report {
     pub size: Size,
     /// Of everything random.
     pub seed: u64,
+    /// Controllers of one's own that were asked for, as they were named.
+    pub own: Vec<String>,
     /// The result, in three sentences.
     pub summary: Vec<String>,
     /// In the paper's order.
@@ -177,30 +205,34 @@ impl Report {
         seen("responses");
         sections.extend(responses::step()?);
         seen("tuning the rivals");
-        sections.push(tables::table_6(size, seed, own)?);
+        sections.push(rivals::table_6(size, seed, own)?);
         sections.extend(responses::scenarios(seed)?);
         seen("claims");
         sections.push(claims::claims(&searches, seed)?);
         sections.push(claims::contradictions());
         sections.push(responses::fan(size, seed)?);
-        let mut report = Self { size, seed, summary: vec![], sections };
+        let own = own.iter().map(|(name, _)| name.trim_end_matches(" (untuned)").to_owned()).collect();
+        let mut report = Self { size, seed, own, summary: vec![], sections };
         report.summary = report.summarised(&searches);
         Ok(report)
     }
 
     fn summarised(&self, searches: &search::Searches) -> Vec<String> {
-        let [reproduced, ambiguous, not, undecided, _] = self.tally();
-        let checked = reproduced + ambiguous + not + undecided;
-        let all_together = self.sections.iter().flat_map(|s| &s.entries).find(|e| e.what == tables::ALL);
+        let Tally {
+            checked, reproduced, within_ambiguity, not_reproduced, undecided, contradictions, ..
+        } = self.tally();
+        let all_together = self.sections.iter().flat_map(|s| &s.entries).find(|e| e.what == rivals::ALL);
         let stands = match all_together.map(|e| e.verdict) {
             Some(Verdict::Reproduced) => "is better than",
             Some(Verdict::NotReproduced) => "is not better than",
-            _ => "cannot be told apart from",
+            _ => "is undecided (why: Table 6) beside",
         };
         vec![
             format!(
-                "Of {checked} statements that can be checked, {reproduced} come out, {ambiguous} do under \
-                 one reading of what the paper leaves open, {not} do not; undecided: {undecided}."
+                "Of {checked} statements that can be checked, {reproduced} come out, {within_ambiguity} do \
+                 under one reading of what the paper leaves open, {not_reproduced} do not; undecided: \
+                 {undecided}. In {contradictions} places the paper contradicts itself, which is counted \
+                 apart."
             ),
             format!(
                 "Table 4's gains are not what the paper's algorithm finds with the paper's model, objective \
@@ -209,8 +241,8 @@ impl Report {
             ),
             format!(
                 "With rotor lag, encoders, delay and unknown constants the proposed controller {stands} \
-                 PID and LQR tuned in the same way{}.",
-                all_together.map(|e| format!(" ({})", e.ours)).unwrap_or_default()
+                 the better of PID and LQR tuned in the same way{}.",
+                all_together.map(|e| format!(": {}", e.ours)).unwrap_or_default()
             ),
         ]
     }
@@ -239,6 +271,7 @@ impl Report {
         };
         Document {
             summary: &self.summary,
+            tally: self.tally(),
             size: &self.size,
             seed: self.seed,
             version: env!("CARGO_PKG_VERSION"),
@@ -259,9 +292,43 @@ impl Report {
         text
     }
 
-    /// How many statements have each verdict, in the order of [`Verdict`].
-    pub fn tally(&self) -> [usize; 5] {
-        VERDICTS.map(|v| self.sections.iter().flat_map(|s| &s.entries).filter(|e| e.verdict == v).count())
+    /// How many statements there are of each kind.
+    pub fn tally(&self) -> Tally {
+        let of = |verdict: Verdict| {
+            self.sections.iter().flat_map(|s| &s.entries).filter(|e| e.verdict == verdict).count()
+        };
+        let [reproduced, within_ambiguity, not_reproduced, undecided, contradictions, given] =
+            VERDICTS.map(of);
+        let checked = reproduced + within_ambiguity + not_reproduced + undecided;
+        Tally { checked, reproduced, within_ambiguity, not_reproduced, undecided, contradictions, given }
+    }
+}
+
+/// How many statements of the paper are of which kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// That can be checked: those of the four kinds that follow.
+    pub checked: usize,
+    /// That come out.
+    pub reproduced: usize,
+    /// That come out under one reading.
+    pub within_ambiguity: usize,
+    /// That do not.
+    pub not_reproduced: usize,
+    /// That were not told apart.
+    pub undecided: usize,
+    /// Places where the paper contradicts itself; no statements.
+    pub contradictions: usize,
+    /// Numbers taken as they are printed.
+    pub given: usize,
+}
+
+impl Tally {
+    /// In the order of the verdicts.
+    fn by_verdict(self) -> [usize; VERDICTS.len()] {
+        let Self { reproduced, within_ambiguity, not_reproduced, undecided, contradictions, given, .. } =
+            self;
+        [reproduced, within_ambiguity, not_reproduced, undecided, contradictions, given]
     }
 }
 
@@ -285,7 +352,7 @@ pub fn write_page(
 
 /// What tables and figures show, as files beside them.
 fn data(sections: &[Section], folder: &Path, outputs: &mut Outputs) {
-    for grid in sections.iter().filter_map(|s| s.measured.as_ref()) {
+    for grid in sections.iter().flat_map(|s| &s.measured) {
         outputs.write(&folder.join(format!("{}.csv", grid.name)), grid.to_csv().as_bytes());
     }
     for picture in sections.iter().flat_map(|s| &s.pictures) {
@@ -298,6 +365,7 @@ fn data(sections: &[Section], folder: &Path, outputs: &mut Outputs) {
 #[derive(Debug, Serialize)]
 pub struct Document<'a> {
     summary: &'a [String],
+    tally: Tally,
     size: &'a Size,
     seed: u64,
     version: &'static str,
@@ -308,6 +376,9 @@ pub struct Document<'a> {
 struct SectionDocument {
     title: String,
     entries: Vec<Entry>,
-    measured: Option<Grid>,
+    measured: Vec<Grid>,
     figures: Vec<String>,
 }
+
+#[cfg(test)]
+mod tests;

@@ -126,7 +126,7 @@ pub(super) fn table_1(searches: &Searches) -> Section {
             size.evaluations, size.seeds
         ),
         entries: claims.into(),
-        measured: Some(measured(&standings, size.seeds)),
+        measured: vec![measured(&standings, size.seeds)],
         pictures: vec![
             group(
                 "convergence-fpa",
@@ -273,7 +273,7 @@ pub(super) fn table_2(searches: &Searches, seed: u64) -> Outcome<Section> {
         title: "Table 2 and Fig. 4b: the algorithm".to_owned(),
         text,
         entries: given.into_iter().chain([claim]).collect(),
-        measured: None,
+        measured: vec![],
         pictures: vec![Picture {
             name: "fig-4b-convergence".to_owned(),
             caption: "One search by Fig. 4 with Table 2's numbers.".to_owned(),

@@ -64,6 +64,35 @@ fn margins_are_told_in_words_and_in_json() {
     let out = host_sim(folder.path(), &["margins", "--preset", "paper"]);
     let table = String::from_utf8(out.stdout).unwrap();
     assert!(out.status.success() && table.contains(&format!("x{high:.2}")), "{table}");
+    assert!(json["stable"] == true && table.contains("\nstable; slowest pole"), "{table}");
+}
+
+/// The plant's matrices have a name and a unit for every row and column, and both forms of them fit.
+#[test]
+fn margins_give_the_plant_as_matrices() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = super::json(folder.path(), &["margins", "--preset", "aero2", "--json"]);
+    let plant = &told["plant"];
+    let size = |of: &serde_json::Value| {
+        let rows = of.as_array().unwrap();
+        (rows.len(), rows[0].as_array().unwrap().len())
+    };
+    let names =
+        |of: &str| plant[of].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap().to_owned());
+    let states: Vec<String> = names("states").collect();
+    assert_eq!(states, ["theta", "psi", "theta_dot", "psi_dot", "rotor_main", "rotor_tail"]);
+    assert_eq!(plant["states"][3]["unit"], "rad/s");
+    assert_eq!(names("inputs").collect::<Vec<_>>(), ["v_main", "v_tail"]);
+    assert_eq!(names("outputs").collect::<Vec<_>>(), ["theta", "psi"]);
+    assert_eq!(plant["sampled"]["sample_time"], 0.001);
+    for (matrix, shape) in [("A", (6, 6)), ("B", (6, 2)), ("C", (2, 6)), ("D", (2, 2))] {
+        assert_eq!(size(&plant[matrix]), shape, "{matrix}");
+    }
+    assert_eq!((size(&plant["sampled"]["A"]), size(&plant["sampled"]["B"])), ((6, 6), (6, 2)));
+    // A lag of .16 s: -1/lag, and exp(-.001/.16).
+    let (lag, decay) = (&plant["A"][4][4], &plant["sampled"]["A"][4][4]);
+    assert!((lag.as_f64().unwrap() + 6.25).abs() < 1e-9, "{lag}");
+    assert!((decay.as_f64().unwrap() - (-0.00625_f64).exp()).abs() < 1e-12, "{decay}");
 }
 
 /// A hover on `aero2` in the rig's world with its own gains and what `more` says.

@@ -1,6 +1,7 @@
 //! A law of matrices on the way that each command gives it: flown beside the others, or refused in a line.
 
 use super::{host_sim, json};
+use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
@@ -76,8 +77,15 @@ fn an_unstable_one_is_refused_wherever_it_would_fly() {
     }
     assert!(!at.join("x.hex").exists() && !at.join("report").exists());
     // What says how it is unstable does not refuse it.
-    let margins = json(at, &["margins", "--gains", "bad.toml", "--preset", "paper", "--json"]);
-    assert!(margins["slowest_pole"].as_f64().unwrap() < 0.0, "{margins}");
+    let margins = ["margins", "--gains", "bad.toml", "--preset", "paper"];
+    let output = host_sim(at, &[&margins[..], &["--json"]].concat());
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&told["stable"], output.status.code()), (&false.into(), Some(3)), "{told}");
+    assert!(told["slowest_pole"].as_f64().unwrap() < 0.0, "{told}");
+    let output = host_sim(at, &margins);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("unstable") && !told.contains("added delay"), "{told}");
+    assert_eq!(output.status.code(), Some(3), "{told}");
 }
 
 #[test]

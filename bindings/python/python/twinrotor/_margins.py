@@ -17,9 +17,11 @@ class Margins:
 
     An edge is ``None`` where it is stable as far as is looked: factors of 0.01 to 20, and 500 ms.
     ``delay_ms`` is the longest delay beyond the one tick that there is; at ``slowest_pole`` (1/s) the slowest
-    part of a small error dies, or grows where it is negative.
+    part of a small error dies, or grows where it is negative: the loop is not ``stable`` then, and has no
+    margins.
     """
 
+    stable: bool
     thrust: Edges
     lag: Edges
     inertia: Edges
@@ -36,4 +38,4 @@ def margins(preset: RigLike, gains: GainsLike = None, *, rotor_lag: float | None
     """
     found = json.loads(_native.margins(rig_text(preset), gains_text(gains), rotor_lag))
     edges = {name: (found[name][0], found[name][1]) for name in ("thrust", "lag", "inertia")}
-    return Margins(**edges, delay_ms=found["delay_ms"], slowest_pole=found["slowest_pole"])
+    return Margins(stable=found["stable"], **edges, delay_ms=found["delay_ms"], slowest_pole=found["slowest_pole"])

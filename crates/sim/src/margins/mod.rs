@@ -36,9 +36,11 @@ const STANDING: f64 = 1e-6;
 const STRETCHES: usize = 8;
 
 /// The margins of one controller on one rig. An edge is none where the loop is stable as far as is looked:
-/// [`FARTHEST`], [`LONGEST_DELAY`].
+/// [`FARTHEST`], [`LONGEST_DELAY`]; all are, and there is no delay, where it is not stable at all.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
+    /// Does a small error die where the rig is what it is believed to be? If not, there are no margins.
+    pub stable: bool,
     /// \[-\] Thrust of both motors, for what is believed: least and most.
     pub thrust: [Option<f64>; 2],
     /// \[-\] Rotor lag of both motors.
@@ -73,12 +75,19 @@ impl Margins {
             FARTHEST.map(|farthest| edge(farthest, |factor| dies(change(factor))))
         };
         let delay = |delay| Change { delay, ..NONE };
+        let slowest_pole = rate(&rig, &settings, NONE);
+        if slowest_pole.is_nan() || slowest_pole <= 0.0 {
+            let none = [None; 2];
+            let (thrust, lag, inertia) = (none, none, none);
+            return Self { stable: false, thrust, lag, inertia, delay_ms: None, slowest_pole };
+        }
         Self {
+            stable: true,
             thrust: edges(|thrust| Change { thrust, ..NONE }),
             lag: edges(|lag| Change { lag, ..NONE }),
             inertia: edges(|inertia| Change { inertia, ..NONE }),
             delay_ms: longest(|ticks| dies(delay(ticks))),
-            slowest_pole: rate(&rig, &settings, NONE),
+            slowest_pole,
         }
     }
 }

@@ -92,3 +92,15 @@ fn the_edges_are_those_of_the_eigenvalues() {
         }
     }
 }
+
+/// Beside a loop that is unstable as it is there are no edges to tell.
+#[test]
+fn an_unstable_loop_is_said_to_be_and_has_no_margins() {
+    let most = twinrotor::gains::Gains::from_paper_order([25.0; 4]);
+    let found = Margins::of(&presets::PAPER, &Settings::paper(&presets::PAPER, most, SAMPLE_TIME));
+    assert!(!found.stable && found.slowest_pole < 0.0, "{found:?}");
+    assert_eq!((found.thrust, found.lag, found.inertia), ([None; 2], [None; 2], [None; 2]));
+    assert_eq!(found.delay_ms, None);
+    let own = Settings::new(&presets::AERO2, defaults::AERO2, SAMPLE_TIME);
+    assert!(Margins::of(&presets::AERO2, &own).stable);
+}

@@ -42,7 +42,7 @@ const HOLD: &str = "hold";
 /// The table, as it is written.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+pub(crate) struct Document {
     inputs: Vec<String>,
     outputs: Vec<String>,
     sample_time: f64,
@@ -170,7 +170,8 @@ impl GainsFile {
 }
 
 impl Document {
-    fn gains(&self) -> Outcome<StateSpaceGains<f64>> {
+    /// The law that it is.
+    pub(crate) fn gains(&self) -> Outcome<StateSpaceGains<f64>> {
         let n = self.a.len();
         if n > MOST_STATES {
             let allowed = format_args!("at most {MOST_STATES} states, a row and a column each");

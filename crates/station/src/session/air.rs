@@ -17,6 +17,19 @@ const STEADY: u32 = 1_000;
 /// \[ticks\] After which a leg begins although it is not.
 const LONGEST_RISE: u32 = 20_000;
 
+/// Why a leg begins although the rig has not been still at level.
+fn swinging((angle, rate): (f32, f32)) -> String {
+    format!(
+        "in {} s not one second within {:.1}° of level and {:.1}°/s as the board sees it, last {:.1}° and \
+         {:.1}°/s: its gains swing or shake the rig; the flight begins so, its first errors are in part these",
+        LONGEST_RISE / 1_000,
+        LEVEL.0.to_degrees(),
+        LEVEL.1.to_degrees(),
+        angle.to_degrees(),
+        rate.to_degrees()
+    )
+}
+
 /// How long a controller may take to come into force: its shadow, and the longest fading.
 const CHANGE: Duration = Duration::from_secs(12);
 
@@ -27,13 +40,14 @@ pub(super) struct Leave {
     pub(super) leg: usize,
     /// The tick in which it began.
     from: u32,
-    /// The last tick in which it was not level.
+    /// The last tick in which it was not level, and how far off it was there \[rad\], \[rad/s\].
     unsteady: u32,
+    off: (f32, f32),
 }
 
 impl Leave {
     const fn new(leg: usize, tick: u32) -> Self {
-        Self { leg, from: tick, unsteady: tick }
+        Self { leg, from: tick, unsteady: tick, off: (0.0, 0.0) }
     }
 }
 
@@ -68,9 +82,11 @@ impl Session {
     fn look_in_the_air(&mut self, frame: &Frame) {
         match &mut self.phase {
             Phase::Rising(leave) => {
-                let within = |x: PerAxis<f32>, most: f32| x.pitch.abs() < most && x.yaw.abs() < most;
-                if !(within(frame.angle, LEVEL.0) && within(frame.rate, LEVEL.1)) {
-                    leave.unsteady = frame.tick;
+                let size = |x: PerAxis<f32>| x.pitch.abs().max(x.yaw.abs());
+                let off = (size(frame.angle), size(frame.rate));
+                // Not by what is no number either.
+                if !(off.0 < LEVEL.0 && off.1 < LEVEL.1) {
+                    (leave.unsteady, leave.off) = (frame.tick, off);
                 }
             }
             Phase::Flying { leg, begin, .. } => {
@@ -134,7 +150,7 @@ impl Session {
                 let level = tick.wrapping_sub(leave.unsteady) >= STEADY;
                 if level || tick.wrapping_sub(leave.from) >= LONGEST_RISE {
                     if !level {
-                        self.step("unsteady", "the rig does not come to rest at level; the flight begins");
+                        self.step("unsteady", swinging(leave.off));
                     }
                     self.begin(leave.leg, tick, now);
                 }

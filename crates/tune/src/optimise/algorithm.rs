@@ -144,12 +144,19 @@ impl Searcher {
         }
     }
 
-    /// The box that is searched.
-    pub(super) fn bounds(&self) -> Option<&Bounds> {
+    /// The box that is searched; of rounds the last one's, nothing before the first.
+    pub fn bounds(&self) -> Option<&Bounds> {
         match self {
             Self::Flowers(search) => Some(search.bounds()),
             Self::Generations(search) => Some(search.bounds()),
-            Self::Rounds(_) => None,
+            Self::Rounds(search) => search.bounds(),
+        }
+    }
+
+    /// One round more, of a search in rounds; others have none.
+    pub fn add_round(&mut self) {
+        if let Self::Rounds(search) = self {
+            search.add();
         }
     }
 

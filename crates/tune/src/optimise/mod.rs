@@ -59,6 +59,30 @@ pub struct Best {
     pub cost: f64,
 }
 
+/// \[-\] A coordinate this near to a bound, in parts of the way to the other, is probably held there by it.
+pub const NEAR_A_BOUND: f64 = 0.02;
+
+/// An end of a coordinate's range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    /// The lower.
+    Least,
+    /// The upper.
+    Most,
+}
+
+/// A coordinate at a bound of the box that was searched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reached {
+    /// Which, from 0.
+    pub coordinate: usize,
+    /// At which end.
+    pub side: Side,
+    /// What that is.
+    pub bound: f64,
+}
+
 /// Least and most of each coordinate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bounds(Vec<[f64; 2]>);
@@ -104,6 +128,22 @@ impl Bounds {
     fn has(&self, position: &[f64]) -> bool {
         position.len() == self.dimension()
             && position.iter().zip(&self.0).all(|(x, [low, high])| (*low..=*high).contains(x))
+    }
+
+    /// The coordinates of `position` that the box holds back, or probably does: each with the bound that is
+    /// nearer than [`NEAR_A_BOUND`] of the way to the other.
+    pub fn reached(&self, position: &[f64]) -> Vec<Reached> {
+        let reached = |(coordinate, (x, [low, high])): (usize, (&f64, &[f64; 2]))| {
+            let near = NEAR_A_BOUND * (high - low);
+            let side = match (x - low < near, high - x < near) {
+                (true, _) => Side::Least,
+                (_, true) => Side::Most,
+                _ => return None,
+            };
+            let bound = if side == Side::Least { *low } else { *high };
+            Some(Reached { coordinate, side, bound })
+        };
+        position.iter().zip(&self.0).enumerate().filter_map(reached).collect()
     }
 
     /// Moves each coordinate that is outside to the bound it passed.

@@ -32,6 +32,16 @@ impl Rounds {
         Self { setup, rounds, seed, dimension, reach, round: 0, search: None, before: 0, best: None }
     }
 
+    /// One round more than there were.
+    pub(super) fn add(&mut self) {
+        self.rounds += 1;
+    }
+
+    /// The box of the round in progress, or of the last one.
+    pub(super) fn bounds(&self) -> Option<&Bounds> {
+        self.search.as_ref().and_then(Searcher::bounds)
+    }
+
     /// Could `begun`, which has only begun, have come to this?
     pub(super) fn continues(&self, begun: &Self) -> bool {
         let same = (self.setup, self.rounds, self.seed, self.dimension)
@@ -85,6 +95,10 @@ impl Optimiser for Rounds {
             let asked = search.ask();
             if !asked.is_empty() {
                 return asked;
+            }
+            // The last one stays: its box says where the search has ended.
+            if self.round == self.rounds {
+                return Vec::new();
             }
             self.before += search.evaluations();
             self.search = None;

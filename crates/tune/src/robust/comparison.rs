@@ -94,16 +94,16 @@ pub struct Row {
     pub voltage_variation: f64,
     /// \[s\] Median.
     pub saturation_time: f64,
-    /// That its costs and ours differ as they do by chance (Wilcoxon, two-sided, paired by plant); none for
-    /// ours.
+    /// That its costs and those it is held against differ as they do by chance (Wilcoxon, two-sided, paired
+    /// by plant); none for these.
     pub p_value: Option<f64>,
     /// What it has beyond its law.
     pub uses: Vec<String>,
 }
 
 impl Row {
-    /// From a controller's scores and ours on the same plants.
-    pub fn new(name: &str, scores: &[Score], ours: Option<&[Score]>, uses: Vec<String>) -> Self {
+    /// From a controller's scores and those of the one it is held against, on the same plants.
+    pub fn new(name: &str, scores: &[Score], other: Option<&[Score]>, uses: Vec<String>) -> Self {
         let all = |of: &dyn Fn(&Score) -> f64| scores.iter().map(of).collect::<Vec<_>>();
         let median = |of: &dyn Fn(&Score) -> f64| quantile(&all(of), 0.5);
         let both = |part: f64, of: fn(&Score) -> PerAxis<f64>| PerAxis {
@@ -129,8 +129,8 @@ impl Row {
             hold_rms_deg: both(0.5, |s| s.hold_rms_deg),
             voltage_variation: median(&|s| s.voltage_variation),
             saturation_time: median(&|s| s.saturation_time),
-            p_value: ours.map(|ours| {
-                let differences: Vec<f64> = costs.iter().zip(ours).map(|(c, o)| c - o.cost()).collect();
+            p_value: other.map(|other| {
+                let differences: Vec<f64> = costs.iter().zip(other).map(|(c, o)| c - o.cost()).collect();
                 signed_rank(&differences)
             }),
             uses,

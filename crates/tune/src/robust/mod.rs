@@ -22,6 +22,7 @@ mod ratio;
 mod scenes;
 mod shard;
 mod survey;
+mod tuned;
 mod tuning;
 
 pub use board::Cut;
@@ -35,7 +36,8 @@ pub use ratio::{Measure, Ratio};
 pub use scenes::{LEFT, SCENES, Scene, SceneScore, Scenes, WEIGHT};
 pub use shard::Shard;
 pub use survey::{Judged, Surveyed};
-pub use tuning::{Plan, Robust, Tuning, objective};
+pub use tuned::{Tuned, Tuning, objective};
+pub use tuning::{Plan, Robust};
 
 use crate::parallel::{self, NEVER, Stop};
 use scenes::Course;

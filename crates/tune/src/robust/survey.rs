@@ -123,14 +123,14 @@ pub struct Surveyed {
     pub voltage_variation: f64,
     /// \[%\] Of the flight, median.
     pub saturation_percent: f64,
-    /// That its errors and ours differ as they do by chance (Wilcoxon, two-sided, paired by plant); none for
-    /// ours.
+    /// That its errors and those it is held against differ as they do by chance (Wilcoxon, two-sided, paired
+    /// by plant); none for these.
     pub p_value: Option<f64>,
 }
 
 impl Surveyed {
-    /// From a controller's flights and ours on the same plants.
-    pub fn new(name: &str, flights: &[Judged], ours: Option<&[Judged]>) -> Self {
+    /// From a controller's flights and those of the one it is held against, on the same plants.
+    pub fn new(name: &str, flights: &[Judged], other: Option<&[Judged]>) -> Self {
         let all = |of: &dyn Fn(&Judged) -> f64| flights.iter().map(of).collect::<Vec<_>>();
         let both = |part: f64| PerAxis {
             pitch: quantile(&all(&|f| f.rms_deg.pitch), part),
@@ -147,8 +147,8 @@ impl Surveyed {
             pitch_p95: quantile(&all(&|f| f.pitch_deg), 0.95),
             voltage_variation: quantile(&all(&|f| f.voltage_variation), 0.5),
             saturation_percent: quantile(&all(&|f| f.saturation_percent), 0.5),
-            p_value: ours.map(|ours| {
-                let differences: Vec<f64> = errors.iter().zip(ours).map(|(e, o)| e - o.error()).collect();
+            p_value: other.map(|other| {
+                let differences: Vec<f64> = errors.iter().zip(other).map(|(e, o)| e - o.error()).collect();
                 signed_rank(&differences)
             }),
         }

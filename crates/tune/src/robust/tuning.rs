@@ -1,17 +1,12 @@
 //! Tuning any controller on the robust objective, over the logarithms of its parameters.
 
-use super::{LagRow, Limit, Row, Scatter, Scenes, Score, Trial};
-use crate::checkpoint::Identity;
-use crate::optimise::{Algorithm, Candidate, Rounds, Searcher, Setup, Variant};
+use super::{LagRow, Limit, Row, Score, Trial};
+use crate::optimise::{Candidate, Rounds, Searcher, Setup};
 use crate::parallel::{self, Stop};
-use crate::search::{Effort, Problem, Search};
+use crate::search::{Effort, Problem};
 use crate::tunable::Tunable;
 use std::sync::atomic::{AtomicU64, Ordering};
 use twinrotor::controller::ControllerSettings;
-use twinrotor::plant::presets::Rig;
-use twinrotor_sim::Outcome;
-use twinrotor_sim::gains_file::{GainsFile, Provenance};
-use twinrotor_sim::rig::NamedRig;
 
 /// J of a controller's parameters on a set of plants.
 #[derive(Debug)]
@@ -150,64 +145,6 @@ impl Plan {
     pub fn start(&self, dimension: usize) -> Searcher {
         let reach = self.range.ln();
         Searcher::Rounds(Box::new(Rounds::new(self.setup, self.rounds, dimension, reach, self.seed)))
-    }
-}
-
-/// Everything that is the same for all controllers that are to be compared: plants, budget, algorithm.
-#[derive(Debug, Clone)]
-pub struct Tuning {
-    trial: Trial,
-    scatter: Scatter,
-    plan: Plan,
-    preset: String,
-    rig: Rig,
-}
-
-/// The robust objective, as gains files name it.
-pub fn objective(plants: usize, scenes: Scenes, scatter: &Scatter) -> String {
-    let scenes = (scenes == Scenes::All).then(|| "all scenes".to_owned());
-    let parts = std::iter::once(format!("robust, {plants} plants")).chain(scenes).chain(scatter.told());
-    parts.collect::<Vec<_>>().join(", ")
-}
-
-/// Plants that a comparison's controllers are tuned on.
-const PLANTS: usize = 32;
-
-impl Tuning {
-    /// `rounds` searches of 500 evaluations each, on plants within `scatter`.
-    pub fn standard(named: &NamedRig, rounds: usize, seed: u64, scatter: &Scatter) -> Self {
-        let algorithm = Algorithm::Fpa(Variant::Yang);
-        let setup = Setup { algorithm, population: Some(25), evaluations: 500 };
-        let allowance = super::allowance(&named.name, &named.rig);
-        Self {
-            trial: Trial::within(&named.rig, PLANTS, seed, allowance, scatter),
-            scatter: *scatter,
-            plan: Plan { setup, rounds, range: 4.0, seed },
-            preset: named.name.clone(),
-            rig: named.rig,
-        }
-    }
-
-    /// Tunes every parameter of a controller, from what `design` makes of the rig.
-    ///
-    /// # Errors
-    ///
-    /// If the design has no parameter to tune.
-    pub fn run(&self, design: fn(&Rig) -> ControllerSettings<f64>) -> Outcome<GainsFile> {
-        let tunable = Tunable::new(&design(&self.rig), &[])?;
-        let mut search = Search::new(Identity::new(), self.plan.start(tunable.names().len()));
-        search.to_the_end(&Robust::new(&self.trial, &tunable));
-        let best = search.best().expect("the start is evaluated first");
-        let provenance = Provenance {
-            preset: self.preset.clone(),
-            objective: objective(PLANTS, self.trial.scenes, &self.scatter),
-            algorithm: format!("fpa-yang, {} rounds", self.plan.rounds),
-            seed: self.plan.seed,
-            evaluations: search.evaluations(),
-            cost: best.cost,
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-        };
-        Ok(GainsFile { controller: tunable.controller(&best.position), provenance: Some(provenance) })
     }
 }
 

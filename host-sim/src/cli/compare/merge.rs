@@ -1,7 +1,7 @@
 //! `merge`: the report of a comparison whose plants several machines have flown.
 
 use super::part::{self, Flown};
-use super::told::{self, Told};
+use super::told::{self, More, Told};
 use crate::cli::common::no_effect;
 use crate::error::Outcome;
 use crate::files::output::Outputs;
@@ -30,6 +30,6 @@ pub(in crate::cli) fn run(args: &Args) -> Outcome<()> {
     if let (Some(flag), Flown::Scenario(..)) = (args.told.of_scores(), &flown) {
         return Err(no_effect(flag, "with a scenario", "its flights have no scores"));
     }
-    told::show(&head, &flown, Vec::new(), &args.told, args.json, "", &mut outputs)?;
+    told::show(&head, &flown, More::default(), &args.told, args.json, &mut outputs)?;
     outputs.done()
 }

@@ -4,23 +4,21 @@
 pub(super) mod merge;
 mod part;
 mod scenario;
+mod table;
 mod told;
 mod worst;
 
-use super::choices;
-use super::common::{Common, Device, Spreads, bar, no_effect, pair, truth, within};
+use super::common::{self, Common, Device, Spreads, bar, no_effect, pair, truth, within};
+use super::{choices, who};
 use crate::device;
 use crate::error::{Failure, Outcome};
-use crate::files;
 use crate::files::output::{self, Outputs};
 use part::{Flown, Head};
-use std::path::{Path, PathBuf};
-use told::Told;
+use std::path::PathBuf;
+use told::{More, Told, Tuned};
 use twinrotor::axes::PerAxis;
 use twinrotor::controller::ControllerSettings;
 use twinrotor::plant::PlantParameters;
-use twinrotor_sim::error::known_name;
-use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::is_text;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_sim::scenario::Scenario;
@@ -34,7 +32,14 @@ const MOST_PLANTS: usize = 10_000_000;
 const BLOCK: usize = 1 << 20;
 
 /// What is told of all parts together, or done before there are any.
-const NOT_OF_A_PART: [&str; 6] = ["export", "plot", "report", "worst", "tune", "json"];
+const NOT_OF_A_PART: [&str; 7] = ["export", "plot", "report", "against", "worst", "tune", "json"];
+
+/// The command without what changes nothing of the numbers.
+fn typed_but(args: impl Iterator<Item = String>) -> String {
+    const GOES: [&str; 8] =
+        ["--report", "--plot", "--export", "--worst", "--shard", "--out", "--threads", "--device"];
+    common::typed(args, &GOES, &["--json"])
+}
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -118,12 +123,15 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     let found = args.device.find()?;
     let trial = trial(args, &named, &scatter)?.on(found.device());
     let mut outputs = outputs(args, &named)?;
-    if let Some(rounds) = args.tune {
-        tune_all(args, &named, rounds, &scatter, &mut outputs)?;
-    }
-    let controllers = controllers(args, &named)?;
+    let tunings = match args.tune {
+        Some(rounds) => tune_all(args, &named, rounds, &scatter, &mut outputs)?,
+        None => Vec::new(),
+    };
+    let controllers = who::all(&args.controllers, &args.gains, &named)?;
     let scenario = args.scenario.as_deref().map(|name| scenario::read(args, name)).transpose()?;
+    let typed = std::env::args_os().skip(1).map(|arg| arg.to_string_lossy().into_owned());
     let head = Head {
+        command: typed_but(typed),
         preset: named.name.clone(),
         plants: args.plants,
         scatter,
@@ -135,6 +143,7 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
             .map(|(name, controller)| (name.clone(), design::uses(controller)))
             .collect(),
     };
+    args.told.reference(&head)?;
     if let (Some(shard), Some(path)) = (args.shard, &args.out) {
         let identity = part::identity(&head, &trial, &controllers, scenario.as_ref());
         let flown = fly(&trial.only(shard.range(args.plants)), &controllers, scenario.as_ref(), &found)?;
@@ -151,7 +160,9 @@ pub(super) fn run(args: &Args) -> Outcome<()> {
     if let (Some(folder), Flown::Steps(scores)) = (&args.worst, &flown) {
         note += &worst::write(folder, args.common.preset(), &trial, &controllers, scores, &mut outputs);
     }
-    told::show(&head, &flown, wrong, &args.told, args.common.json, &note, &mut outputs)?;
+    note += &tunings.iter().map(Tuned::warnings).collect::<String>();
+    let more = More { lags: wrong, tunings, note };
+    told::show(&head, &flown, more, &args.told, args.common.json, &mut outputs)?;
     outputs.done()
 }
 
@@ -185,14 +196,14 @@ fn outputs(args: &Args, named: &NamedRig) -> Outcome<Outputs> {
     let mut outputs = args.common.outputs();
     outputs.reads("--scenario", args.scenario.as_deref().unwrap_or_default());
     outputs.reads("--true-rig", args.true_rig.as_deref().unwrap_or_default());
-    outputs.reads("--gains", ours_path(args, named));
+    outputs.reads("--gains", who::ours_path(&args.gains, named));
     for name in args.controllers.iter().filter(|name| is_text(name)) {
         outputs.reads("--controllers", name);
     }
     if let Some(rounds) = args.tune {
         within("--tune", rounds, 1, 1_000)?;
         for (name, _) in tuned(args) {
-            let path = compared_path(args, named, name);
+            let path = who::compared_path(&args.gains, named, name);
             output::check_folder("--gains", path.parent().unwrap_or(&args.gains))?;
             outputs.writes("--gains", &path)?;
         }
@@ -243,55 +254,6 @@ fn trial(args: &Args, named: &NamedRig, scatter: &Scatter) -> Outcome<Trial> {
     Ok(trial)
 }
 
-fn ours_path(args: &Args, named: &NamedRig) -> PathBuf {
-    args.gains.join(format!("{}.toml", file_stem(named)))
-}
-
-fn compared_path(args: &Args, named: &NamedRig, name: &str) -> PathBuf {
-    args.gains.join("compared").join(file_stem(named)).join(format!("{name}.toml"))
-}
-
-fn file_stem(named: &NamedRig) -> String {
-    Path::new(&named.name)
-        .file_stem()
-        .map_or_else(|| named.name.clone(), |s| s.to_string_lossy().into_owned())
-}
-
-/// Ours first, then what was asked for, or all. What has no tuned gains, as on a rig of one's own, flies as
-/// it was designed and is marked so.
-fn controllers(args: &Args, named: &NamedRig) -> Outcome<Vec<(String, ControllerSettings<f64>)>> {
-    let load = |path: &Path| {
-        let name = path.display().to_string();
-        let file = files::gains("--gains", &name)?;
-        file.require_stable(&named.name, &named.rig).map_err(|error| error.within(&name))?;
-        Ok::<_, Failure>(file.controller)
-    };
-    let tuned_or_designed = |path: &Path, shown: &str, design: &str| {
-        if path.exists() {
-            return Ok((shown.to_owned(), load(path)?));
-        }
-        let design = known_name("controller", design, &CATALOGUE)?;
-        Ok::<_, Failure>((format!("{shown} (untuned)"), design(&named.rig)))
-    };
-    let mut list = vec![tuned_or_designed(&ours_path(args, named), "ours", "integral")?];
-    let asked: Vec<String> = if args.controllers.is_empty() {
-        CATALOGUE.map(|(name, _)| name.to_owned()).to_vec()
-    } else {
-        args.controllers.iter().filter(|name| *name != "ours").cloned().collect()
-    };
-    for name in asked {
-        list.push(if name == "paper" {
-            (name, GainsFile::paper().controller)
-        } else if is_text(&name) {
-            let controller = load(Path::new(&name))?;
-            (name, controller)
-        } else {
-            tuned_or_designed(&compared_path(args, named, &name), &name, &name)?
-        });
-    }
-    Ok(list)
-}
-
 /// Tunes every kind of controller with the same budget on the same plants, and writes their gains. What flies
 /// by default has had more.
 fn tune_all(
@@ -300,12 +262,18 @@ fn tune_all(
     rounds: usize,
     scatter: &Scatter,
     outputs: &mut Outputs,
-) -> Outcome<()> {
+) -> Outcome<Vec<Tuned>> {
     let tuning = Tuning::standard(named, rounds, args.common.seed, scatter);
+    let mut all = Vec::new();
     for (name, design) in tuned(args) {
-        outputs.write(&compared_path(args, named, name), tuning.run(design)?.to_toml().as_bytes());
+        let tuned = tuning.run(design)?;
+        outputs
+            .write(&who::compared_path(&args.gains, named, name), tuning.file(&tuned).to_toml().as_bytes());
+        let (evaluations, cost, failures) = (tuned.evaluations(), tuned.cost(), tuning.failures(&tuned));
+        let at_bounds = tuned.at_bounds();
+        all.push(Tuned { name, rounds, evaluations, cost, failures, at_bounds });
     }
-    Ok(())
+    Ok(all)
 }
 
 /// What is tuned for the comparison.

@@ -15,6 +15,8 @@ use twinrotor_tune::robust::{Judged, Scatter, Scenes, Score, Shard, Trial};
 /// What a comparison is, for its report.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
+    /// What was typed, but for where it goes.
+    pub(super) command: String,
     pub(super) preset: String,
     pub(super) plants: usize,
     pub(super) scatter: Scatter,

@@ -21,6 +21,7 @@ struct Document<'a> {
     hot: bool,
     plants: usize,
     seed: u64,
+    against: &'a str,
     controllers: &'a [Surveyed],
 }
 
@@ -58,13 +59,19 @@ pub(super) fn fly(
 }
 
 /// Tells what came of it.
-pub(super) fn show(head: &Head, course: &Course, flown: &[Vec<Judged>], json: bool) -> Outcome<()> {
+pub(super) fn show(
+    head: &Head,
+    course: &Course,
+    flown: &[Vec<Judged>],
+    reference: usize,
+    json: bool,
+) -> Outcome<()> {
     let rows: Vec<Surveyed> = head
         .controllers
         .iter()
         .zip(flown)
         .enumerate()
-        .map(|(k, ((name, _), own))| Surveyed::new(name, own, (k > 0).then_some(&*flown[0])))
+        .map(|(k, ((name, _), own))| Surveyed::new(name, own, (k != reference).then_some(&*flown[reference])))
         .collect();
     if json {
         return print_json(&Document {
@@ -74,13 +81,14 @@ pub(super) fn show(head: &Head, course: &Course, flown: &[Vec<Judged>], json: bo
             hot: course.hot,
             plants: head.plants,
             seed: head.seed,
+            against: &head.controllers[reference].0,
             controllers: &rows,
         });
     }
-    print(&report(head, course, &rows))
+    print(&report(head, course, &rows, reference))
 }
 
-fn report(head: &Head, course: &Course, rows: &[Surveyed]) -> String {
+fn report(head: &Head, course: &Course, rows: &[Surveyed], reference: usize) -> String {
     let mut table = tables::table(&[
         "controller",
         "fail",
@@ -113,7 +121,7 @@ fn report(head: &Head, course: &Course, rows: &[Surveyed]) -> String {
     let heat = if course.hot { "warm motors" } else { "cold motors" };
     format!(
         "{}, scenario {}: {} plants that nothing was tuned on, {heat}, flown as the board does, \
-         seed {}\n{table}\n",
-        head.preset, course.name, head.plants, head.seed
+         seed {}\n{table}\np: chance of such a difference to {} (Wilcoxon, two-sided, paired by plant)\n",
+        head.preset, course.name, head.plants, head.seed, head.controllers[reference].0
     )
 }

@@ -13,10 +13,9 @@ use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::scenario::SAMPLE_TIME;
+use twinrotor_tune::optimise::Reached;
 use twinrotor_tune::search::{Effort, Search};
-
-/// A gain this near to a bound (part of the range) is probably held there by it.
-const NEAR_A_BOUND: f64 = 0.02;
+use twinrotor_tune::tunable::AtBound;
 
 /// As it is typed.
 pub(super) fn name_of(criterion: Criterion) -> String {
@@ -38,10 +37,17 @@ pub(super) struct Run<'a> {
     steps_skipped: u64,
     diverged: u64,
     history: &'a [(usize, f64)],
+    /// What the search has left at a bound of its box, or of its last round's.
+    at_bounds: Vec<AtBound>,
 }
 
 impl<'a> Run<'a> {
-    pub(super) fn new(request: &'a Request<'a>, search: &'a Search, horizon_s: f64) -> Self {
+    pub(super) fn new(
+        request: &'a Request<'a>,
+        search: &'a Search,
+        horizon_s: f64,
+        at_bounds: Vec<AtBound>,
+    ) -> Self {
         let Effort { simulated, skipped, diverged } = search.effort();
         Self {
             algorithm: request.algorithm,
@@ -56,6 +62,7 @@ impl<'a> Run<'a> {
             steps_skipped: skipped,
             diverged,
             history: search.history(),
+            at_bounds,
         }
     }
 }
@@ -80,7 +87,7 @@ pub(super) fn document<'a>(
     beside: Option<&'a Beside>,
 ) -> Document<'a> {
     Document {
-        run: Run::new(task.request, search, task.scenario.duration),
+        run: Run::new(task.request, search, task.scenario.duration, at_bounds(search)),
         objective: task.criterion,
         scenario: &task.scenario.name,
         fidelity: task.fidelity,
@@ -132,7 +139,7 @@ pub(super) fn summary(
     flight_rows(&mut table, flown);
     let _ = writeln!(text, "{table}");
     text.push_str(&beside.text(&objective_name));
-    text.push_str(&bound_warnings(task.bounds, found));
+    text.push_str(&bound_warnings(search));
     text.push_str(&in_the_rigs_world(task, found, &objective_name));
     let _ = writeln!(text, "gains:   {}\nfigure:  {}", request.out.display(), task.plot.display());
     let fly = next("simulate").unless("paper", "--preset", &request.named.name);
@@ -176,24 +183,24 @@ fn flight_rows(table: &mut tables::Table, flown: &[Flight; 2]) {
     row("peak demand, tail [V]", &|f| format!("{:.1}", f.report.tail.peak_demand));
 }
 
-fn bound_warnings([low, high]: [f64; 2], found: &GainsFile) -> String {
-    let near = NEAR_A_BOUND * (high - low);
-    let mut text = String::new();
-    for (name, value) in NAMES.iter().zip(found.gains().expect("the paper's law").to_paper_order()) {
-        let bound = if value - low < near {
-            low
-        } else if high - value < near {
-            high
-        } else {
-            continue;
-        };
-        let _ = writeln!(
-            text,
+/// The gains that the search has left at a bound of its box.
+fn at_bounds(search: &Search) -> Vec<AtBound> {
+    let value = |k: usize| search.best().and_then(|best| best.position.get(k).copied());
+    let told = |r: Reached| {
+        let (name, value) = (NAMES.get(r.coordinate)?, value(r.coordinate)?);
+        Some(AtBound { name: (*name).to_owned(), value, side: r.side, bound: r.bound })
+    };
+    search.reached().into_iter().filter_map(told).collect()
+}
+
+fn bound_warnings(search: &Search) -> String {
+    let warning = |AtBound { name, value, bound, .. }: AtBound| {
+        format!(
             "warning: {name} = {value:.3} lies at the bound {bound}: the objective wants more than the \
-             bounds allow"
-        );
-    }
-    text
+             bounds allow\n"
+        )
+    };
+    at_bounds(search).into_iter().map(warning).collect()
 }
 
 /// The same two sets of gains with what an objective in the paper's world does not see.

@@ -205,7 +205,7 @@ pub(super) fn run(args: &Args, request: &Request<'_>) -> Outcome<()> {
     outputs.write(request.out, file.to_toml().as_bytes());
     drop(listening);
     let document = |scores: Option<&[robust::Score]>, proof, beside| Document {
-        run: Run::new(request, &search, trial.steps() as f64 * SAMPLE_TIME),
+        run: Run::new(request, &search, trial.steps() as f64 * SAMPLE_TIME, search.at_bounds_of(&tunable)),
         objective: "robust",
         plants,
         spread: scatter.constants,
@@ -316,9 +316,13 @@ fn summary(
     tables::add(&mut table, ["failures".to_owned(), failures(before), failures(after)]);
     let cuts = |scores: &[robust::Score]| scores.iter().filter(|s| s.cut.is_some()).count().to_string();
     tables::add(&mut table, ["of these cut by the board".to_owned(), cuts(before), cuts(after)]);
+    let _ = writeln!(text, "{table}");
+    for end in search.at_bounds_of(tunable) {
+        let _ = writeln!(text, "warning: {end} of the last round: more may be had with more --rounds");
+    }
     let out = request.out.display();
     let minimised = beside.text("J, raised where a limit is not kept");
-    let _ = writeln!(text, "{table}\n{minimised}gains: {out}");
+    let _ = writeln!(text, "{minimised}gains: {out}");
     let fly = next("fly").with("--preset", &request.named.name).with("--gains", out);
     let fly = fly.board(request.named.rig.board);
     let _ = writeln!(text, "fly it: {fly}");
