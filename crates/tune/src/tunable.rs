@@ -101,7 +101,13 @@ impl Tunable {
             let (field, start) = (self.fields.get(r.coordinate)?, self.start.get(r.coordinate)?);
             let value = start * libm::exp(*position.get(r.coordinate)?);
             let bound = start * libm::exp(r.bound);
-            Some(AtBound { name: field.name.to_owned(), value, side: r.side, bound })
+            // The factor's upper end is the lower end of a number below zero.
+            let side = match r.side {
+                Side::Most if *start < 0.0 => Side::Least,
+                Side::Least if *start < 0.0 => Side::Most,
+                side => side,
+            };
+            Some(AtBound { name: field.name.to_owned(), value, side, bound })
         };
         reached.iter().filter_map(told).collect()
     }
@@ -185,6 +191,24 @@ mod tests {
         let named = Tunable::new(&reaching, &["filter.reach".into()]).unwrap();
         assert_eq!(named.names(), ["filter.reach.pitch", "filter.reach.yaw"]);
         assert_eq!(named.start(), [0.3, 0.8]);
+    }
+
+    #[test]
+    fn the_upper_end_of_a_number_below_zero_is_its_lesser_size() {
+        let rig = twinrotor::plant::presets::PAPER;
+        let (_, lqr) = crate::design::CATALOGUE.iter().find(|(name, _)| *name == "lqr").unwrap();
+        let tunable = Tunable::new(&lqr(&rig), &["angle.main".into()]).unwrap();
+        let start = tunable.start();
+        let both = crate::optimise::Bounds::new(vec![[-1.0, 1.0]; 2]).unwrap();
+        for (position, grows) in [([1.0, 1.0], true), ([-1.0, -1.0], false)] {
+            let ends = tunable.at_bounds(&both.reached(&position), &position);
+            assert_eq!(ends.len(), 2);
+            for (end, start) in ends.iter().zip(start) {
+                let most = (*start > 0.0) == grows;
+                assert_eq!(end.side, if most { Side::Most } else { Side::Least }, "{end} from {start}");
+            }
+        }
+        assert!(start.iter().any(|x| *x < 0.0) && start.iter().any(|x| *x > 0.0), "{start:?}");
     }
 
     #[test]

@@ -188,7 +188,8 @@ impl Report {
         text.push_str("<div class=tally>");
         for (verdict, count) in super::VERDICTS.into_iter().zip(self.tally().by_verdict()) {
             let kind = class(verdict);
-            let _ = write!(text, "<a class={kind} href=#{kind}0>{count} {}</a>", verdict.words());
+            let words = if verdict == Verdict::Contradictory { "contradictions" } else { verdict.words() };
+            let _ = write!(text, "<a class={kind} href=#{kind}0>{count} {words}</a>");
         }
         text.push_str("</div><nav>\n");
         for (k, s) in self.sections.iter().enumerate() {

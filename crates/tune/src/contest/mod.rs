@@ -9,6 +9,8 @@ use crate::optimise::{Bounds, Candidate, Draws, Optimiser, Searcher, Setup};
 use crate::parallel::NEVER;
 use crate::robust::quantile;
 use crate::search::Problem;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 /// One search.
@@ -116,10 +118,43 @@ impl Peer {
         self.runs.iter().map(|r| r.cost).collect()
     }
 
+    /// How many times as long as `other`, seed by seed the same start, it takes to come to `cost`, as medians
+    /// of evaluations: between what 2.5 % and 97.5 % of the seeds drawn with replacement say (Efron's
+    /// bootstrap). What a run does not come to counts as never; where both medians are never, anything may
+    /// be.
+    pub fn times_as_long(&self, other: &Self, cost: f64, seed: u64) -> [f64; 2] {
+        const RESAMPLED: usize = 400;
+        let mut draws = ChaCha8Rng::seed_from_u64(seed);
+        let needed = |peer: &Self| -> Vec<f64> {
+            let of = |run: &Run| run.evaluations_to(cost).map_or(f64::INFINITY, |n| n as f64);
+            peer.runs.iter().map(of).collect()
+        };
+        let (own, others) = (needed(self), needed(other));
+        let count = own.len().min(others.len());
+        let (mut least, mut most) = (Vec::new(), Vec::new());
+        for _ in 0..RESAMPLED {
+            let chosen: Vec<usize> = (0..count).map(|_| draws.random_range(0..count)).collect();
+            let of = |all: &[f64]| nearest(chosen.iter().map(|k| all[*k]).collect(), 0.5);
+            let ratio = of(&own) / of(&others);
+            least.push(if ratio.is_nan() { 0.0 } else { ratio });
+            most.push(if ratio.is_nan() { f64::INFINITY } else { ratio });
+        }
+        [nearest(least, 0.025), nearest(most, 0.975)]
+    }
+
     /// The run that ended lowest.
     pub fn best(&self) -> &Run {
         self.runs.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).expect("at least one seed")
     }
+}
+
+/// The value at `part` of the way through them in order: between none, since some may be infinite.
+fn nearest(mut values: Vec<f64>, part: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a part of a length")]
+    let index = (part * last as f64).round() as usize;
+    values.get(index).copied().unwrap_or(f64::NAN)
 }
 
 /// A method in numbers.
@@ -189,6 +224,28 @@ mod tests {
             history: vec![(1, 10.0 * cost), (10, 1.005 * cost), (40, *cost)],
         };
         Peer { name: name.into(), runs: (0..).zip(costs).map(run).collect() }
+    }
+
+    #[test]
+    fn how_many_times_as_long_a_method_takes_has_an_interval() {
+        let of = |name: &str, evaluations: &[usize]| {
+            let run = |(seed, n): (u64, &usize)| Run {
+                seed,
+                cost: 1.0,
+                position: vec![],
+                history: if *n == 0 { vec![(1, 2.0)] } else { vec![(1, 2.0), (*n, 1.0)] },
+            };
+            Peer { name: name.into(), runs: (0..).zip(evaluations).map(run).collect() }
+        };
+        let ours = of("a", &[50, 60, 55, 45, 50, 52, 58, 49]);
+        let [least, most] = of("b", &[200, 300, 250, 180, 220, 240, 260, 210]).times_as_long(&ours, 1.0, 1);
+        assert!(least > 3.0 && most < 6.0, "{least} {most}");
+        // Half of the seeds much sooner and half much later: that leaves it open.
+        let [least, most] = of("c", &[10, 10, 10, 10, 500, 500, 500, 500]).times_as_long(&ours, 1.0, 1);
+        assert!(least < 0.5 && most > 8.0, "{least} {most}");
+        let never = of("d", &[0; 8]);
+        assert_eq!(never.times_as_long(&ours, 1.0, 1), [f64::INFINITY; 2]);
+        assert_eq!(never.times_as_long(&never, 1.0, 1), [0.0, f64::INFINITY]);
     }
 
     #[test]
