@@ -4,7 +4,7 @@ use crate::parts::{named_rig, raised};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use twinrotor_sim::Error;
-use twinrotor_sim::linear::{Linear, Rows};
+use twinrotor_sim::linear::{self, Rows};
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// A, B, C, D, and the volts that hold the pose.
@@ -22,11 +22,11 @@ pub(crate) fn linearize<'py>(py: Python<'py>, preset: &str, pitch: f64) -> PyRes
     if pitch.is_nan() || pitch.abs() >= most {
         return Err(raised(&Error::invalid("pitch", pitch, format!("an angle within ±{most:.4} rad"))));
     }
-    let linear = Linear::of(plant, pitch);
+    let linear = linear::Linear::of(plant, pitch);
     let matrix = |rows: &Rows| {
         PyArray2::from_vec2(py, rows)
             .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))
     };
-    let Linear { a, b, c, d, volts, .. } = &linear;
+    let linear::Linear { a, b, c, d, volts, .. } = &linear;
     Ok((matrix(a)?, matrix(b)?, matrix(c)?, matrix(d)?, [volts.main, volts.tail]))
 }

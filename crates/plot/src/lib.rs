@@ -64,9 +64,10 @@ pub enum Layout {
 /// A colour: red, green, blue.
 pub use plotters::style::RGBColor as Colour;
 
-/// Blue, vermilion, green, mauve, wine, olive and, for what is no series, grey. Okabe and Ito's first two, and
-/// others found for them, so that any two of the six are apart in Lab by 20 and more to everyone: as they are
-/// and with red, green or blue cones missing (Machado, Oliveira, Fernandes 2009); all stand out from white.
+/// Blue, vermilion, green, mauve, wine, olive and, for what is no series, grey. Okabe and Ito's first two,
+/// and others found for them, so that any two of the six are apart in Lab by 20 and more to everyone: as
+/// they are and with red, green or blue cones missing (Machado, Oliveira, Fernandes 2009); all stand out
+/// from white.
 pub const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

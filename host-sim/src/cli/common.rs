@@ -150,7 +150,8 @@ pub(super) fn truth(rig: Option<&str>, lag: Option<f64>, named: &NamedRig) -> Ou
     Ok(truth)
 }
 
-/// A command as it was typed, but for flags with a value and `switches` that change nothing of what comes out.
+/// A command as it was typed, but for flags with a value and `switches` that change nothing of what comes
+/// out.
 pub(super) fn typed(args: impl Iterator<Item = String>, without: &[&str], switches: &[&str]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
     let quoted = |arg: &str| {

@@ -91,9 +91,9 @@ fn table_5(flown: &Flight) -> Section {
             Verdict::of(
                 overshoot(report.pitch.overshoot_percent).max(overshoot(report.yaw.overshoot_percent)) < 0.05,
             ),
-            "not the search's merit: with no motor at its limit an axis has the poles of s² + (μ1 + μ2) s + 1 \
-             + μ1 μ2 and overshoots only where its two gains differ by less than 2, by 4.3 % where both are 1, \
-             the least allowed; Table 4's differ by 20 and by 8.5",
+            "not the search's merit: with no motor at its limit an axis has the poles of s² + (μ1 + μ2) s + \
+             1 + μ1 μ2 and overshoots only where its two gains differ by less than 2, by 4.3 % where both \
+             are 1, the least allowed; Table 4's differ by 20 and by 8.5",
         ),
         entry(
             "steady error, pitch",

@@ -1,9 +1,9 @@
 //! Table 6: the paper's controllers, tuned with one budget and tested on plants that none has seen.
 //!
-//! A verdict on tuned controllers is worth what the tuning of the one that lost is worth. So all have the same
-//! number of rounds, what `compare --tune` gives; while one of the side that loses ends at a bound of its
-//! box, or fails on a plant that it was tuned on, all get one more; and where the most rounds do not end that,
-//! the verdict is open and says why.
+//! A verdict on tuned controllers is worth what the tuning of the one that lost is worth. So all have the
+//! same number of rounds, what `compare --tune` gives; while one of the side that loses ends at a bound of
+//! its box, or fails on a plant that it was tuned on, all get one more; and where the most rounds do not end
+//! that, the verdict is open and says why.
 
 use super::measure::fly;
 use super::{Grid, Section, Size, Verdict, entry};
@@ -156,7 +156,7 @@ impl Contest {
     }
 
     /// Rounds for all while the verdict on J leans on a tuning that has not ended.
-    fn tune_to_the_end(&mut self) {
+    fn finish(&mut self) {
         while self.rounds() < self.size.most_rounds {
             let better = self.ratio(total).is_below(BETTER);
             let open = better.is_none_or(|better| !self.against(better).is_empty());
@@ -251,7 +251,7 @@ impl Contest {
 pub(super) fn table_6(size: Size, seed: u64, own: &[(String, ControllerSettings<f64>)]) -> Outcome<Section> {
     let allowance = robust::allowance("paper", &PAPER);
     let mut contest = Contest::new(size, seed, allowance)?;
-    contest.tune_to_the_end();
+    contest.finish();
     let mut entries: Vec<_> = MEASURES.iter().map(|measure| contest.entry(measure)).collect();
     let limit = fly(&PAPER, &GainsFile::paper(), "step", 1)?.report.tail.saturation_time;
     entries.push(entry(

@@ -206,3 +206,16 @@ fn controllers_are_compared_on_any_scenario_cold_and_hot() {
     };
     assert!(wide("0.02", "0.05") < 0.3 * wide("0.3", "0.7"));
 }
+
+/// A loop that swings about level says by how much, not only that it does.
+#[test]
+fn an_unsteady_rig_is_told_with_how_far_off_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let fly = ["fly", "--port", "sim", "--preset", "paper", "--scenario", "step", "--yes"];
+    let told = String::from_utf8(host_sim(folder.path(), &fly).stdout).unwrap();
+    let line = told.lines().find(|line| line.contains("unsteady")).unwrap_or_else(|| panic!("{told}"));
+    assert!(
+        line.contains("in 20 s no second within 1.1° of level and 2.9°/s") && line.contains("last "),
+        "{line}"
+    );
+}

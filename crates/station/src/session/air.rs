@@ -20,8 +20,8 @@ const LONGEST_RISE: u32 = 20_000;
 /// Why a leg begins although the rig has not been still at level.
 fn swinging((angle, rate): (f32, f32)) -> String {
     format!(
-        "in {} s not one second within {:.1}° of level and {:.1}°/s as the board sees it, last {:.1}° and \
-         {:.1}°/s: its gains swing or shake the rig; the flight begins so, its first errors are in part these",
+        "in {} s no second within {:.1}° of level and {:.1}°/s, as estimated; last {:.1}° and {:.1}°/s: the \
+         loop swings; the flight begins so",
         LONGEST_RISE / 1_000,
         LEVEL.0.to_degrees(),
         LEVEL.1.to_degrees(),

@@ -1,5 +1,5 @@
-//! Controllers tuned to be compared: each with one budget, on the same plants, and with what says whether that
-//! was enough.
+//! Controllers tuned to be compared: each with one budget, on the same plants, and with what says whether
+//! that was enough.
 
 use super::{Plan, Robust, Scatter, Scenes, Trial};
 use crate::checkpoint::Identity;
