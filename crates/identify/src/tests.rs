@@ -129,8 +129,9 @@ fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
 }
 
 /// Each identifiable constant lies inside its interval in at least 90 of 100 rigs, every one up to 20 % off
-/// its preset.
+/// its preset. Three rigs of all constants are in `known_constants_come_back_within_their_intervals`.
 #[test]
+#[ignore = "long: a hundred fits, 55 s of a processor"]
 fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
     let found: Vec<Vec<(&str, bool)>> = parallel::by_index(100, recovered_from_a_short_log);
     let mut tally = std::collections::BTreeMap::<&str, [usize; 2]>::new();
