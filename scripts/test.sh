@@ -1,12 +1,19 @@
 #!/usr/bin/env bash
-# All tests of the project, from a bare clone: the host's, then the firmware built, read and flown on the
-# virtual board.
+# Tests of the project, from a bare clone: the host's, then the firmware built, read and flown on the virtual
+# board. With `--all`, as `.ci/run` calls it, also those that are marked `#[ignore = "long: ..."]`, each of
+# which repeats with more cases what a shorter one proves, and the images of the firmware that they alone fly.
 set -euo pipefail
+long=()
+case "${1:-}" in
+  "") ;;
+  --all) long=(-- --include-ignored) ;;
+  *) echo "usage: $0 [--all]" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 . scripts/stage.sh
 . scripts/programs.sh
 
-stage "tests on the host" cargo test "${tested[@]}"
+stage "tests on the host" cargo test "${tested[@]}" "${long[@]}"
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"
@@ -25,14 +32,16 @@ stage "firmware, sign and magnitude" variant sign-magnitude sign-magnitude
 stage "firmware, for bootstrapped bridges" variant bootstrap bootstrap
 stage "firmware, for a debugger" variant debug debug-build
 stage "firmware, with a simulated rig" without_a_rig f405
-stage "the same for a Feather" without_a_rig feather-f405
 for_a_feather() {
   seeded feather-f405
   RUSTUP_TOOLCHAIN="$toolchain" cargo fw-feather-f405
 }
-stage "firmware for a Feather with a rig" for_a_feather
-stage "the same for a Nucleo-F446RE" without_a_rig nucleo-f446
-stage "the same for a Nucleo-F411RE" without_a_rig nucleo-f411
-stage "the same for a Black Pill" without_a_rig black-pill nucleo-f411
+if [ ${#long[@]} != 0 ]; then
+  stage "the same for a Feather" without_a_rig feather-f405
+  stage "firmware for a Feather with a rig" for_a_feather
+  stage "the same for a Nucleo-F446RE" without_a_rig nucleo-f446
+  stage "the same for a Nucleo-F411RE" without_a_rig nucleo-f411
+  stage "the same for a Black Pill" without_a_rig black-pill nucleo-f411
+fi
 stage "tests of the firmware as a file" cargo fw-test
-stage "tests on the virtual board" cargo board-test
+stage "tests on the virtual board" cargo board-test "${long[@]}"

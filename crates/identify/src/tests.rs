@@ -98,9 +98,21 @@ fn recovered(seed: usize) -> Vec<(&'static str, bool)> {
 
 #[test]
 fn known_constants_come_back_within_their_intervals() {
-    let found: Vec<(&str, bool)> = (0..3).flat_map(recovered).collect();
+    assert_recovered(1);
+}
+
+#[test]
+#[ignore = "long: of three rigs instead of one"]
+fn known_constants_of_more_rigs_come_back_within_their_intervals() {
+    assert_recovered(3);
+}
+
+/// Of so many rigs.
+#[track_caller]
+fn assert_recovered(rigs: usize) {
+    let found: Vec<(&str, bool)> = (0..rigs).flat_map(recovered).collect();
     let hit = found.iter().filter(|(_, inside)| *inside).count();
-    assert!(found.len() >= 3 * 14, "only {} constants are identifiable", found.len());
+    assert!(found.len() >= rigs * 14, "only {} constants are identifiable", found.len());
     assert!(hit as f64 >= 0.85 * found.len() as f64, "{hit} of {}: {found:?}", found.len());
 }
 
@@ -129,8 +141,9 @@ fn recovered_from_a_short_log(seed: usize) -> Vec<(&'static str, bool)> {
 }
 
 /// Each identifiable constant lies inside its interval in at least 90 of 100 rigs, every one up to 20 % off
-/// its preset.
+/// its preset. A rig with all constants is in `known_constants_come_back_within_their_intervals`.
 #[test]
+#[ignore = "long: a hundred fits, 25 s of a processor"]
 fn intervals_hold_the_truth_in_ninety_of_a_hundred_rigs() {
     let found: Vec<Vec<(&str, bool)>> = parallel::by_index(100, recovered_from_a_short_log);
     let mut tally = std::collections::BTreeMap::<&str, [usize; 2]>::new();

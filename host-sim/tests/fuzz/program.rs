@@ -156,8 +156,16 @@ fn runs(part: usize) {
 
 /// A test for each part, so that they run side by side.
 macro_rules! parts {
-    ($($name:ident $part:literal),*) => { $(#[test] fn $name() { runs($part); })* };
+    ($($(#[$mark:meta])? $name:ident $part:literal),*) => {
+        $(#[test] $(#[$mark])? fn $name() { runs($part); })*
+    };
 }
 
-parts!(program_1 1, program_2 2, program_3 3, program_4 4);
-parts!(program_5 5, program_6 6, program_7 7, program_8 8);
+parts!(program_1 1, program_2 2, program_3 3);
+parts!(
+    #[ignore = "long: more of the same"] program_4 4,
+    #[ignore = "long: more of the same"] program_5 5,
+    #[ignore = "long: more of the same"] program_6 6,
+    #[ignore = "long: more of the same"] program_7 7,
+    #[ignore = "long: more of the same"] program_8 8
+);

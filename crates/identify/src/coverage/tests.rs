@@ -3,6 +3,7 @@
 use super::*;
 use crate::search::Effort;
 use std::fs;
+use std::sync::OnceLock;
 use twinrotor::plant::presets::AERO2;
 use twinrotor_sim::rig::NamedRig;
 use twinrotor_tune::parallel::NEVER;
@@ -18,12 +19,21 @@ fn study(seed: u64, rigs: usize) -> Study {
     Study::new(question, &gains, scenario, rigs, Scatter::default()).unwrap()
 }
 
+/// A study of four rigs, and what comes of it.
+fn four() -> (Study, &'static [Verdict]) {
+    static WHOLE: OnceLock<Vec<Verdict>> = OnceLock::new();
+    let study = study(4, 4);
+    let whole = WHOLE.get_or_init(|| study.verdicts(0..4, NEVER, &|| ()).unwrap());
+    (study, whole)
+}
+
 #[test]
 fn a_rigs_verdict_does_not_depend_on_its_neighbours() {
-    let study = study(3, 3);
-    let whole = study.verdicts(0..3, NEVER, &|| ()).unwrap();
-    let parts = [2..3, 0..2].map(|rigs| (rigs.start, study.verdicts(rigs, NEVER, &|| ()).unwrap()));
-    let mut joined = vec![Vec::new(); 3];
+    let (study, whole) = four();
+    // The two in the middle by themselves, without the one before them and the one behind.
+    let alone = study.verdicts(1..3, NEVER, &|| ()).unwrap();
+    let parts = [(1, alone), (3, whole[3..].to_vec()), (0, whole[..1].to_vec())];
+    let mut joined = vec![Vec::new(); 4];
     for (first, verdicts) in parts {
         let bytes = study.encode(first, &verdicts);
         let (begins, read) = study.decode(&bytes).unwrap();
@@ -34,15 +44,14 @@ fn a_rigs_verdict_does_not_depend_on_its_neighbours() {
     }
     let joined: Vec<Verdict> = joined.into_iter().flatten().collect();
     assert_eq!(joined, whole);
-    assert_eq!(study.report(&joined), study.report(&whole));
-    assert_eq!(study.verdicts(0..3, &|| true, &|| ()), None);
+    assert_eq!(study.report(&joined), study.report(whole));
+    assert_eq!(study.verdicts(0..4, &|| true, &|| ()), None);
 }
 
 /// Every constant that is fitted is drawn, and each is found nearer to the truth than the preset has it.
 #[test]
 fn what_is_fitted_is_drawn_and_found() {
-    let study = study(4, 4);
-    let verdicts = study.verdicts(0..4, NEVER, &|| ()).unwrap();
+    let (study, verdicts) = four();
     let answered: Vec<_> = verdicts.iter().flatten().collect();
     assert!(answered.len() >= 3, "{verdicts:?}");
     let preset = to_array(&AERO2.plant);

@@ -253,12 +253,14 @@ fn feather() -> Setup {
 }
 
 #[test]
+#[ignore = "long: another board's image, 15 s of a processor to build"]
 fn a_feather_flies_on_its_own_pins_as_on_the_host() {
     let (rig, parameters) = record::tuned(record::BUILT_IN);
     assert_equal_on(feather(), &rig, &parameters, &[STEP, BACK]);
 }
 
 #[test]
+#[ignore = "long: another board's image, 15 s of a processor to build"]
 fn a_feather_checks_its_wires_and_obeys_the_emergency_stop() {
     checks_and_stops(feather(), |_| true);
 }

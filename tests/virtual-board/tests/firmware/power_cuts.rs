@@ -130,17 +130,30 @@ fn a_save_that_turns_to_the_second_page_survives_a_cut_anywhere() {
 }
 
 #[test]
+#[ignore = "long: as to the second page, 12 s of a processor"]
 fn a_save_that_turns_to_the_third_page_survives_a_cut_anywhere() {
     cut_everywhere(2 * SLOTS, 1);
 }
 
 #[test]
+#[ignore = "long: as to the second page, 12 s of a processor"]
 fn a_save_that_turns_back_to_the_first_page_survives_a_cut_anywhere() {
     cut_everywhere(3 * SLOTS, 1);
 }
 
 #[test]
 fn two_cuts_in_a_row_are_survived() {
+    cut_twice([(3, 4), (SLOTS, 8), (SLOTS - 1, 4), (3 * SLOTS, 8)]);
+}
+
+#[test]
+#[ignore = "long: as above with five times the cuts"]
+fn many_times_two_cuts_in_a_row_are_survived() {
+    cut_twice([(3, 20), (SLOTS, 40), (SLOTS - 1, 20), (3 * SLOTS, 40)]);
+}
+
+/// Cuts the save that follows on so many saves, and the next one, so many times.
+fn cut_twice(cases: [(usize, usize); 4]) {
     let mut station = board(11);
     let mut random = 0x1234_5678_9ABC_DEF1_u64;
     let mut draw = |limit: u64| {
@@ -149,7 +162,7 @@ fn two_cuts_in_a_row_are_survived() {
         random ^= random << 17;
         random % limit
     };
-    for (saves, samples) in [(3, 20), (SLOTS, 40), (SLOTS - 1, 20), (3 * SLOTS, 40)] {
+    for (saves, samples) in cases {
         let start = after_saves(saves);
         let (count, _) = operations(&mut station, &start);
         for sample in 0..samples {

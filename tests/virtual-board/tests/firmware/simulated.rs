@@ -186,21 +186,25 @@ fn flies_the_hosts_bits_and_its_button_is_the_emergency_stop(known: Board) {
 }
 
 #[test]
+#[ignore = "long: another board's image, 15 s of a processor to build"]
 fn a_nucleo_f446_flies_the_hosts_bits_and_its_button_is_the_emergency_stop() {
     flies_the_hosts_bits_and_its_button_is_the_emergency_stop(NUCLEO_F446);
 }
 
 #[test]
+#[ignore = "long: another board's image, 15 s of a processor to build"]
 fn a_nucleo_f411_flies_the_hosts_bits_and_its_button_is_the_emergency_stop() {
     flies_the_hosts_bits_and_its_button_is_the_emergency_stop(NUCLEO_F411);
 }
 
 #[test]
+#[ignore = "long: another board's image, 15 s of a processor to build"]
 fn a_black_pill_flies_the_hosts_bits_and_its_key_is_the_emergency_stop() {
     flies_the_hosts_bits_and_its_button_is_the_emergency_stop(BLACK_PILL);
 }
 
 #[test]
+#[ignore = "long: another board's image, 15 s of a processor to build"]
 fn a_feather_flies_the_hosts_bits() {
     flies_the_hosts_bits_and_its_button_is_the_emergency_stop(FEATHER_F405);
 }

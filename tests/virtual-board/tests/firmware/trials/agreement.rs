@@ -1,5 +1,6 @@
 //! Random trials at random ticks: nothing is written, nothing trips, no motor is jerked, and the host
-//! computes the same bits. A hundred swaps in 60,000 ticks, or as many as `TWINROTOR_TRIALS` says.
+//! computes the same bits. Forty swaps, and in the long tests a hundred in 60,000 ticks, or as many as
+//! `TWINROTOR_TRIALS` says.
 
 use std::sync::OnceLock;
 
@@ -81,6 +82,16 @@ fn trials() -> &'static Trials {
     })
 }
 
+/// Fewer, of the same without a push against the rotors' lag, with which every count of an encoder is a jerk.
+fn few() -> &'static Trials {
+    static FLOWN: OnceLock<Trials> = OnceLock::new();
+    FLOWN.get_or_init(|| {
+        let (rig, mut parameters) = record::tuned(record::BUILT_IN);
+        parameters.settings.controller.lead = None;
+        fly(rig, parameters, wanted(40), 0)
+    })
+}
+
 /// So many trials and more in a row, in at least so many ticks of flight.
 fn fly(rig: Rig, parameters: Parameters, wanted: u32, ticks: usize) -> Trials {
     let mut station = start(Setup::new(firmware()).with_image(ADDRESS, image(&[parameters])), &rig);
@@ -153,7 +164,18 @@ fn in_the_air(frames: &[Frame]) -> &[Frame] {
 
 #[test]
 fn random_trials_write_nothing_and_trip_nothing() {
-    let trials = trials();
+    assert_harmless(few(), 5);
+}
+
+#[test]
+#[ignore = "long: a minute in the air, which `board_and_host_agree_for_a_minute` shares"]
+fn a_hundred_random_trials_write_nothing_and_trip_nothing() {
+    assert_harmless(trials(), 10);
+}
+
+/// More than so many of them were accepted.
+#[track_caller]
+fn assert_harmless(trials: &Trials, accepted: u32) {
     println!(
         "{} swaps, {} accepted, {} frames in the air",
         trials.swaps,
@@ -162,14 +184,25 @@ fn random_trials_write_nothing_and_trip_nothing() {
     );
     assert_eq!((trials.operations, trials.resets), (0, 0));
     assert!(in_the_air(&trials.flown.frames).iter().all(|frame| frame.state == ArmState::Armed));
-    assert!(trials.accepted > 10 && trials.swaps >= 2 * trials.accepted);
+    assert!(trials.accepted > accepted && trials.swaps >= 2 * trials.accepted);
     let unsaved = trials.flown.frames.last().expect("frames").controller.accepted;
     assert_eq!(unsaved, Kept::Unsaved);
 }
 
 #[test]
 fn board_and_host_agree_through_random_swaps() {
-    let flown = &trials().flown;
+    assert_equal(&few().flown, 20_000);
+}
+
+#[test]
+#[ignore = "long: a minute in the air"]
+fn board_and_host_agree_for_a_minute() {
+    assert_equal(&trials().flown, 60_000);
+}
+
+/// In so many ticks and more.
+#[track_caller]
+fn assert_equal(flown: &Flown, ticks: usize) {
     let twin = flown.twin(|_| false);
     let mut compared = 0;
     for frame in in_the_air(&flown.frames) {
@@ -177,7 +210,7 @@ fn board_and_host_agree_through_random_swaps() {
         assert_eq!(bytes(frame), bytes(here), "tick {}: {frame:?} {here:?}", frame.tick);
         compared += 1;
     }
-    assert!(compared >= 60_000, "{compared} ticks");
+    assert!(compared >= ticks, "{compared} ticks");
 }
 
 /// \[V\] The most that the volts change from one tick to the next.
@@ -189,13 +222,10 @@ fn jerk(frames: &[Frame]) -> PerMotor<f32> {
 }
 
 /// The same setpoints without trials, with the controller and with those at both ends of what was tried, tell
-/// how fast volts change; a fade adds at most its share of all the volts there are. Nothing here pushes
-/// against the rotors' lag: with that, every count of an encoder is a jerk.
+/// how fast volts change; a fade adds at most its share of all the volts there are.
 #[test]
 fn no_motor_is_jerked_by_a_trial() {
-    let (rig, mut parameters) = record::tuned(record::BUILT_IN);
-    parameters.settings.controller.lead = None;
-    let trials = fly(rig, parameters, wanted(40), 0);
+    let trials = few();
     assert_eq!((trials.operations, trials.resets), (0, 0));
     let flown = &trials.flown;
     let limit = flown.parameters.settings.volts_limit;
