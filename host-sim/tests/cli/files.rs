@@ -194,7 +194,7 @@ fn an_output_is_no_input_and_no_other_output() {
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{args:?}: {told}");
         let said =
-            ["is read as", "is written as", "unknown controller"].iter().any(|said| told.contains(said));
+            ["is read as", "is written as", "unknown --controllers"].iter().any(|said| told.contains(said));
         assert!(said && told.trim_end().lines().count() == 1, "{args:?}: {told}");
     }
     for (name, text) in inputs {
