@@ -38,5 +38,11 @@ def margins(preset: RigLike, gains: GainsLike = None, *, rotor_lag: float | None
     """
     found = json.loads(_native.margins(rig_text(preset), gains_text(gains), rotor_lag))
     edges = {name: (found[name][0], found[name][1]) for name in ("thrust", "lag", "inertia")}
-    others = {name: found[name] for name in ("stable", "delay_ms", "slowest_pole")}
-    return Margins(**edges, **others)
+    return Margins(
+        stable=found["stable"],
+        thrust=edges["thrust"],
+        lag=edges["lag"],
+        inertia=edges["inertia"],
+        delay_ms=found["delay_ms"],
+        slowest_pole=found["slowest_pole"],
+    )
