@@ -1,11 +1,14 @@
 """The command line beside the package: what both compute is to be the same."""
 
 import csv
+import importlib
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,3 +37,33 @@ def columns(path: Path) -> dict[str, list[float]]:
     with path.open() as file:
         rows = list(csv.DictReader(file))
     return {name: [float(row[name]) for row in rows] for name in rows[0]}
+
+
+@pytest.fixture
+def at_the_panel(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Any]:
+    """Imports an example that flies an Aero's USB panel, with a stand-in for the manufacturer's library.
+
+    It goes as fast as it can: the stand-in's time is its reads.
+    """
+    here = Path(__file__).resolve().parent
+    monkeypatch.syspath_prepend(str(here / "quanser"))
+    monkeypatch.syspath_prepend(str(here.parent / "examples"))
+    clock = {"now": 0.0}
+
+    def now() -> float:
+        clock["now"] += 1e-4
+        return clock["now"]
+
+    def imported(example: str) -> Any:
+        for name in ("quanser", "quanser.hardware", "aero_usb", "record_aero"):
+            sys.modules.pop(name, None)
+        module = importlib.import_module(example)
+        monkeypatch.setattr(module.time, "perf_counter", now)
+        return module
+
+    return imported
+
+
+def is_off(card: Any) -> bool:
+    """No volts, no amplifier enabled, and the card is closed."""
+    return card.volts == (0.0, 0.0) and not card.enabled and card.watchdog is None and not card.is_open

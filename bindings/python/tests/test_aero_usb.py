@@ -1,37 +1,17 @@
 """The USB panel's example, against a stand-in for the manufacturer's library."""
 
-import importlib
-import sys
 import time
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-
-HERE = Path(__file__).resolve().parent
+from conftest import is_off
 
 
 @pytest.fixture
-def aero(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(HERE / "quanser"))
-    monkeypatch.syspath_prepend(str(HERE.parent / "examples"))
-    for name in ("quanser", "quanser.hardware", "aero_usb"):
-        sys.modules.pop(name, None)
-    module = importlib.import_module("aero_usb")
-    # As fast as it goes: the stand-in's time is its reads.
-    clock = {"now": 0.0}
-
-    def now() -> float:
-        clock["now"] += 1e-4
-        return clock["now"]
-
-    monkeypatch.setattr(module.time, "perf_counter", now)
-    return module
-
-
-def off(card: Any) -> bool:
-    return card.volts == (0.0, 0.0) and not card.enabled and card.watchdog is None and not card.is_open
+def aero(at_the_panel: Callable[[str], Any]) -> Any:
+    return at_the_panel("aero_usb")
 
 
 @pytest.mark.parametrize(("hardware", "identifier"), [(True, "0"), (False, "0@tcpip://localhost:18950")])
@@ -39,7 +19,7 @@ def test_it_flies_a_step_and_switches_off(aero: Any, hardware: bool, identifier:
     angles = aero.fly("aero2", None, hardware, 8.0)
     assert np.allclose(np.degrees(angles[-1]), [10.0, 30.0], atol=1.0)
     card = aero.HIL.last
-    assert card.identifier == identifier and off(card) and card.calls == ["clear", "expiration"]
+    assert card.identifier == identifier and is_off(card) and card.calls == ["clear", "expiration"]
 
 
 @pytest.mark.parametrize("mishap", [KeyboardInterrupt(), OSError("the cable"), MemoryError()])
@@ -57,7 +37,7 @@ def test_whatever_ends_it_the_amplifiers_are_off(aero: Any, mishap: BaseExceptio
             aero.fly("aero2", None, True, 400.0)
     finally:
         aero.HIL.open = opened
-    assert off(aero.HIL.last)
+    assert is_off(aero.HIL.last)
 
 
 def test_a_late_loop_ends_the_flight(aero: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -71,4 +51,4 @@ def test_a_late_loop_ends_the_flight(aero: Any, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(aero.time, "perf_counter", now)
     with pytest.raises(TimeoutError, match="ms late"):
         aero.fly("aero2", None, True, 400.0)
-    assert off(aero.HIL.last)
+    assert is_off(aero.HIL.last)

@@ -1,43 +1,28 @@
 """The recorder of an Aero at its USB panel, against a stand-in for the manufacturer's library."""
 
-import importlib
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import twinrotor as tr
-
-HERE = Path(__file__).resolve().parent
+from conftest import is_off
 
 
 @pytest.fixture
-def recorder(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(HERE / "quanser"))
-    monkeypatch.syspath_prepend(str(HERE.parent / "examples"))
-    for name in ("quanser", "quanser.hardware", "aero_usb", "record_aero"):
-        sys.modules.pop(name, None)
-    module = importlib.import_module("record_aero")
-    clock = {"now": 0.0}
-
-    def now() -> float:
-        # As fast as it goes: the stand-in's time is its reads.
-        clock["now"] += 1e-4
-        return clock["now"]
-
-    monkeypatch.setattr(module.time, "perf_counter", now)
-    return module
+def recorder(at_the_panel: Callable[[str], Any]) -> Any:
+    return at_the_panel("record_aero")
 
 
-def off(recorder: Any) -> bool:
-    card = sys.modules["aero_usb"].HIL.last
-    return card.volts == (0.0, 0.0) and not card.enabled and card.watchdog is None and not card.is_open
+def off() -> bool:
+    return is_off(sys.modules["aero_usb"].HIL.last)
 
 
 def test_a_recording_tells_the_rig(recorder: Any, tmp_path: Path) -> None:
     rows = np.array(recorder.record("aero2", True))
-    assert off(recorder) and rows[-1, 0] == pytest.approx(recorder.steps()[-1][0], abs=0.01)
+    assert off() and rows[-1, 0] == pytest.approx(recorder.steps()[-1][0], abs=0.01)
     assert np.abs(rows[:, 1]).max() > np.radians(5.0) and np.abs(rows[:, 2]).max() > np.radians(20.0)
     path = tmp_path / "aero2.csv"
     recorder.save(rows.tolist(), path)
@@ -53,7 +38,7 @@ def test_a_recording_tells_the_rig(recorder: Any, tmp_path: Path) -> None:
 def test_it_ends_where_pitch_goes_too_far(recorder: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recorder, "PULSES", [(9.0, 0.0, 5.0, False)])
     rows = np.array(recorder.record("aero2", True, scale=5.0))
-    assert off(recorder) and rows[-1, 0] < recorder.steps()[-1][0] - 1.0
+    assert off() and rows[-1, 0] < recorder.steps()[-1][0] - 1.0
     # What was sent, behind the limit.
     assert np.abs(rows[:, 3]).max() == 18.0
     assert np.abs(rows[:, 1]).max() <= recorder.MOST_PITCH
@@ -74,4 +59,4 @@ def test_whatever_ends_it_the_amplifiers_are_off(recorder: Any, mishap: BaseExce
             recorder.record("aero2", True)
     finally:
         hil.open = opened
-    assert off(recorder)
+    assert off()

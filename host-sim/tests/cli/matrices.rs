@@ -1,7 +1,8 @@
 //! A law of matrices on the way that each command gives it: flown beside the others, or refused in a line.
 
 use super::panics::LAST_SEED;
-use super::{host_sim, json, reproduced};
+use super::reproduced::reproduced;
+use super::{host_sim, json};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
