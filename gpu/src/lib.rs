@@ -2,7 +2,7 @@
 //! board and in the tuner's lanes, so the same bits; nothing is computed here.
 
 #![no_std]
-#![cfg_attr(target_arch = "nvptx64", feature(abi_ptx, stdarch_nvptx))]
+#![cfg_attr(target_arch = "nvptx64", feature(abi_ptx, stdarch_nvptx, asm_experimental_arch))]
 
 #[cfg(feature = "host")]
 extern crate std;
@@ -12,5 +12,7 @@ pub mod host;
 pub mod integral;
 #[cfg(target_arch = "nvptx64")]
 mod ptx;
+#[cfg(target_arch = "nvptx64")]
+mod shared;
 pub mod robust;
 pub mod words;

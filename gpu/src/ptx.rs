@@ -3,7 +3,8 @@
 #![allow(unsafe_code, reason = "raw memory and special registers are what a kernel is called with")]
 
 use crate::integral::{self, INTEGRATED};
-use crate::robust::{FLOWN, Given, TRACE, flight, to_words, trace, usual};
+use crate::shared::Kept;
+use crate::robust::{COMMON, FLOWN, Given, TRACE, flight, to_words, trace, usual};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x, trap};
 use core::slice;
 
@@ -27,8 +28,7 @@ macro_rules! kernels {
         /// ones for each flight as come of it.
         #[unsafe(no_mangle)]
         unsafe extern "ptx-kernel" fn $name(
-            common: *const u32,
-            common_words: u32,
+            common: [u32; COMMON],
             settings: *const u32,
             settings_words: u32,
             each: u32,
@@ -47,7 +47,7 @@ macro_rules! kernels {
             // SAFETY: as the caller promises.
             let given = unsafe {
                 Given {
-                    common: slice::from_raw_parts(common, common_words as usize),
+                    common: &common,
                     settings: slice::from_raw_parts(settings, settings_words as usize),
                     each,
                     plants: slice::from_raw_parts(plants, plants_words as usize),
@@ -69,8 +69,8 @@ macro_rules! kernels {
 }
 
 kernels! {
-    robust_any: FLOWN, |given, k| flight(given, k, Some).as_ref().map(to_words);
-    robust_usual: FLOWN, |given, k| flight(given, k, usual).as_ref().map(to_words);
+    robust_any: FLOWN, |given, k| flight(given, k, Some, Kept::new).as_ref().map(to_words);
+    robust_usual: FLOWN, |given, k| flight(given, k, usual, Kept::new).as_ref().map(to_words);
     robust_trace: TRACE, trace;
     integral_ideal: INTEGRATED, integral::ideal;
     integral_rig: INTEGRATED, integral::rig;

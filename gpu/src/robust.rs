@@ -2,74 +2,37 @@
 //! `twinrotor-sim`, sums into memory.
 
 use crate::words;
+use core::borrow::BorrowMut;
 use serde::{Deserialize, Serialize};
 use twinrotor::SAMPLE_TIME;
 use twinrotor::allocation::AllocationSettings;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Hardware, Wear};
+use twinrotor::bench::{Wear, Worn};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::estimator::EstimatorSettings;
 use twinrotor::law::LawSettings;
+use twinrotor::monitor::Motion;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::{Envelope, PAPER};
+use twinrotor::plant::presets::PAPER;
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
-use twinrotor_sim::closed_loop::{RigLoop, Tick};
+use twinrotor_sim::closed_loop::{Instruments, RigLoop, Tick};
 use twinrotor_sim::guard::Guard;
-use twinrotor_sim::judged::{Course, Ended, Flown, Rules, fly};
+use twinrotor_sim::judged::{Bounds, Course, Ended, Flown, fly};
 use twinrotor_sim::metrics::Settling;
 
 /// What all flights of a launch have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Common {
-    /// \[rad\] Where to.
-    pub goal: PerAxis<f64>,
-    /// Where the rig may be.
-    pub envelope: Envelope,
-    /// \[ticks\] From here on errors are summed as those after a disturbance.
-    pub disturbance: u32,
-    /// The first tick after the flight.
-    pub end: u32,
-    /// With hot motors from the second tick on.
-    pub hot: bool,
-    /// Counts a revolution, as they are and as the controller has them.
-    pub encoder_counts: PerAxis<u32>,
-    /// The same, as the controller has them.
-    pub believed_counts: PerAxis<u32>,
-    /// Compare steps between zero and full voltage.
-    pub pwm_steps: u32,
-    /// \[V\] Supply of the amplifiers.
-    pub supply: f64,
+    /// What they are judged by.
+    pub bounds: Bounds,
+    /// Sensors and amplifiers, none of them worn.
+    pub instruments: Instruments<f32>,
 }
 
-impl Common {
-    /// Of flights that are judged by `rules`, with `hardware` that is not worn.
-    pub fn new(rules: &Rules, hardware: &Hardware) -> Self {
-        let Rules { goal, envelope, disturbance, end, hot } = *rules;
-        let Hardware { encoder_counts, believed_counts, pwm_steps, supply, .. } = *hardware;
-        Self { goal, envelope, disturbance, end, hot, encoder_counts, believed_counts, pwm_steps, supply }
-    }
-
-    #[inline(always)]
-    fn rules(&self) -> Rules {
-        let Self { goal, envelope, disturbance, end, hot, .. } = *self;
-        Rules { goal, envelope, disturbance, end, hot }
-    }
-
-    /// Nothing of it is worn.
-    #[inline(always)]
-    fn hardware(&self, encoder_phase: PerAxis<f64>) -> Hardware {
-        Hardware {
-            encoder_counts: self.encoder_counts,
-            encoder_phase,
-            pwm_steps: self.pwm_steps,
-            supply: self.supply,
-            believed_counts: self.believed_counts,
-            wear: Wear::default(),
-        }
-    }
-}
+/// Words that there are for a [`Common`].
+pub const COMMON: usize = 96;
 
 /// What a launch reads.
 #[derive(Debug, Clone, Copy)]
@@ -167,23 +130,24 @@ impl<'a> Given<'a> {
 /// Flies the flight of this number. `narrow` gives the controller back, of fewer kinds than there are. `None`
 /// where it does not, or the words do not say what they should.
 #[inline(always)]
-pub fn flight(
+pub fn flight<M: BorrowMut<Motion<f32>>>(
     given: &Given<'_>,
     number: u32,
     narrow: impl Fn(Settings<f32>) -> Option<Settings<f32>>,
+    keep: impl FnOnce(Motion<f32>) -> M,
 ) -> Option<Flown> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
-    let hardware = common.hardware(PerAxis::both(0.5));
-    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
-    let guard = Guard::new(&settings, &hardware);
+    let worn = Worn::new(&Wear::default(), plant.state().angle);
+    let closed_loop = RigLoop::fitted(plant, &common.instruments, worn, phase, &settings);
+    let guard = Guard::new(&settings, &common.instruments).keeping(keep);
     let limit = settings.volts_limit;
     let sums = fly(
         closed_loop,
         guard,
         limit,
         disturbance,
-        &common.rules(),
+        &common.bounds,
         course,
         #[inline(always)]
         |_, _| true,
@@ -199,9 +163,9 @@ pub const TRACE: usize = 2;
 #[inline(always)]
 pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
-    let hardware = common.hardware(PerAxis::both(0.5));
-    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
-    let guard = Guard::new(&settings, &hardware);
+    let worn = Worn::new(&Wear::default(), plant.state().angle);
+    let closed_loop = RigLoop::fitted(plant, &common.instruments, worn, phase, &settings);
+    let guard = Guard::new(&settings, &common.instruments);
     let limit = settings.volts_limit;
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     fly(
@@ -209,7 +173,7 @@ pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
         guard,
         limit,
         disturbance,
-        &common.rules(),
+        &common.bounds,
         course,
         #[inline(always)]
         |_, tick: &Tick<f32>| {

@@ -31,7 +31,7 @@ impl Kernel for Own<'_> {
     fn run<R: Real<Scalar = f32>>(self) -> usize {
         let settings = self.settings.map(R::splat);
         let hardware = Hardware::of(self.rig, PerAxis::both(0.5));
-        let mut guard = Guard::new(&settings, &hardware);
+        let mut guard = Guard::new(&settings, &Instruments::of(&hardware));
         if self.watched {
             self.fly(
                 &settings,

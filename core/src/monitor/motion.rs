@@ -91,7 +91,7 @@ pub const STOP_MARGIN: f32 = 0.05;
 
 /// The comparison's constants and memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion<R: Real> {
+pub struct Motion<R: Real> {
     body: LinearBody<R>,
     /// Reaction goes with the volts that a rotor has yet to follow.
     rotors: RotorTorque<R>,

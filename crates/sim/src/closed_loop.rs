@@ -9,7 +9,8 @@ pub use twinrotor::bench::Hardware;
 #[cfg(feature = "std")]
 use crate::scenario::Now;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Encoders, Worn};
+use serde::{Deserialize, Serialize};
+use twinrotor::bench::{Bench, Encoders, Worn, counts_per_angle};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::{CounterWidth, angle_per_count};
@@ -141,6 +142,31 @@ pub struct RigLoop<R> {
     latched: PerMotor<R>,
 }
 
+/// What of [`Hardware`] a tick reckons with, where nothing is worn; the same in every lane.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Instruments<S> {
+    /// \[counts/rad\] Of the encoders.
+    pub counts_per_angle: PerAxis<S>,
+    /// \[rad\] As the controller has it.
+    pub angle_per_count: PerAxis<S>,
+    /// Compare steps between zero and full voltage.
+    pub pwm_steps: u32,
+    /// \[V\] Supply of the amplifiers.
+    pub supply: S,
+}
+
+impl<S: Real> Instruments<S> {
+    /// Those of `hardware`.
+    pub fn of(hardware: &Hardware) -> Self {
+        Self {
+            counts_per_angle: hardware.encoder_counts.map(counts_per_angle),
+            angle_per_count: hardware.believed_counts.map(angle_per_count),
+            pwm_steps: hardware.pwm_steps,
+            supply: S::from_f64(hardware.supply),
+        }
+    }
+}
+
 impl<R: Real> RigLoop<R> {
     /// `plant` may differ from what `settings` believe.
     pub fn new(plant: RealPlant<R>, hardware: &Hardware, settings: &Settings<R>) -> Self {
@@ -155,18 +181,31 @@ impl<R: Real> RigLoop<R> {
         settings: &Settings<R>,
     ) -> Self {
         plant.set_cable(&hardware.wear.cable);
-        let encoders = Encoders::<R>::new(hardware.encoder_counts, encoder_phase);
-        let angle_per_count: PerAxis<R> = hardware.believed_counts.map(angle_per_count);
+        let worn = Worn::new(&hardware.wear, plant.state().angle);
+        Self::fitted(plant, &Instruments::of(hardware), worn, encoder_phase, settings)
+    }
+
+    /// As [`RigLoop::assemble`], from what there is.
+    #[inline(always)]
+    pub fn fitted(
+        plant: RealPlant<R>,
+        instruments: &Instruments<R::Scalar>,
+        worn: Worn<R>,
+        encoder_phase: PerAxis<R>,
+        settings: &Settings<R>,
+    ) -> Self {
+        let encoders = Encoders::scaled(PerAxis::splat(instruments.counts_per_angle), encoder_phase);
+        let angle_per_count: PerAxis<R> = PerAxis::splat(instruments.angle_per_count);
         let counts = encoders.counts(plant.state().angle);
         let start = counts.zip(angle_per_count, |c, a| c * a);
-        let supply = R::from_f64(hardware.supply);
+        let supply = R::splat(instruments.supply);
         Self {
-            worn: Worn::new(&hardware.wear, plant.state().angle),
+            worn,
             plant,
             encoders,
             angle_per_count,
             pipeline: Pipeline::new(settings, start),
-            drive: Drive::new(hardware.pwm_steps),
+            drive: Drive::new(instruments.pwm_steps),
             sound_supply: supply,
             supply,
             latched: PerMotor::zero(),

@@ -131,8 +131,8 @@ impl Driver for StandIn {
         };
         let flown = |flown: Option<Flown>| flown.map(|flown| robust::to_words(&flown).to_vec());
         let fly = |k: u32| match kernel {
-            "robust_any" => flown(robust::flight(&given, k, Some)),
-            "robust_usual" => flown(robust::flight(&given, k, robust::usual)),
+            "robust_any" => flown(robust::flight(&given, k, Some, |motion| motion)),
+            "robust_usual" => flown(robust::flight(&given, k, robust::usual, |motion| motion)),
             "integral_ideal" => integral::ideal(&given, k).map(|words| words.to_vec()),
             "integral_rig" => integral::rig(&given, k).map(|words| words.to_vec()),
             "robust_trace" => robust::trace(&given, k).map(|words| words.to_vec()),
