@@ -12,7 +12,10 @@ pub mod host;
 pub mod integral;
 #[cfg(target_arch = "nvptx64")]
 mod ptx;
+pub mod robust;
 #[cfg(target_arch = "nvptx64")]
 mod shared;
-pub mod robust;
 pub mod words;
+
+/// Threads in a block.
+pub const BLOCK: u32 = 128;

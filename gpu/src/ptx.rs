@@ -3,8 +3,8 @@
 #![allow(unsafe_code, reason = "raw memory and special registers are what a kernel is called with")]
 
 use crate::integral::{self, INTEGRATED};
-use crate::shared::Kept;
 use crate::robust::{COMMON, FLOWN, Given, TRACE, flight, to_words, trace, usual};
+use crate::shared::Kept;
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x, trap};
 use core::slice;
 
@@ -20,6 +20,13 @@ fn number() -> u32 {
     unsafe { _block_idx_x() * _block_dim_x() + _thread_idx_x() }
 }
 
+/// What all flights have in common: not where it stands but it itself, for what a launch is called with costs
+/// no registers.
+#[repr(C)]
+struct Common {
+    words: [u32; COMMON],
+}
+
 /// Thread k flies flight k of `flights`; what comes of it goes to the k-th piece of `out`.
 macro_rules! kernels {
     ($($name:ident: $words:expr, $fly:expr;)+) => {$(
@@ -28,7 +35,7 @@ macro_rules! kernels {
         /// ones for each flight as come of it.
         #[unsafe(no_mangle)]
         unsafe extern "ptx-kernel" fn $name(
-            common: [u32; COMMON],
+            common: Common,
             settings: *const u32,
             settings_words: u32,
             each: u32,
@@ -47,7 +54,7 @@ macro_rules! kernels {
             // SAFETY: as the caller promises.
             let given = unsafe {
                 Given {
-                    common: &common,
+                    common: &common.words,
                     settings: slice::from_raw_parts(settings, settings_words as usize),
                     each,
                     plants: slice::from_raw_parts(plants, plants_words as usize),

@@ -31,7 +31,7 @@ pub struct Common {
     pub instruments: Instruments<f32>,
 }
 
-/// Words that there are for a [`Common`].
+/// Words that there are for a [`Common`], of this kind or of [`integral`](crate::integral)'s.
 pub const COMMON: usize = 96;
 
 /// What a launch reads.
@@ -47,7 +47,7 @@ pub struct Given<'a> {
     pub plants: &'a [u32],
     /// How many plants there are.
     pub count: u32,
-    /// The course by its changes, [`CHANGE`] words each, in the order of their ticks.
+    /// The course by its changes, [`CHANGE`] words each, in the order of their ticks, the first in tick 0.
     pub course: &'a [u32],
 }
 
@@ -93,7 +93,7 @@ impl<'a> Given<'a> {
         let settings = self.controller(number)?;
         let common = words::read(self.common).ok()?;
         let (plant, disturbance, phase) = self.plant(number, State::at_rest(PerAxis::zero()));
-        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
+        let course = Changes::new(self.course);
         Some(Start { settings, plant, disturbance, phase, common, course })
     }
 
@@ -204,42 +204,46 @@ fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
     Some(Ended { tick, condition })
 }
 
-/// Words of a change of a course: the tick; 1 where something else is asked for from then on, plus 2 where
-/// something pushes; angle, rate and acceleration asked for, pitch and yaw each; the push.
-pub const CHANGE: usize = 9;
+/// Words of a change of a course: the tick; 1 where something pushes from then on, and the push; angle, rate
+/// and acceleration asked for, pitch and yaw each.
+pub const CHANGE: u32 = 9;
 
-/// A course by its changes, in the order of their ticks.
+/// A course by its changes, in the order of their ticks, the first in tick 0. What is asked for is read in
+/// every tick where it stands: all threads read the same, and none has to keep it.
 #[derive(Debug)]
 struct Changes<'a> {
     words: &'a [u32],
-    /// The change to come, and its tick.
-    next: usize,
+    /// Where the change in force begins, and the tick of the one to come.
+    now: u32,
     at: u32,
     push: Option<f32>,
 }
 
-#[inline(always)]
-fn first_tick(words: &[u32]) -> u32 {
-    words.first().copied().unwrap_or(u32::MAX)
+impl<'a> Changes<'a> {
+    #[inline(always)]
+    fn new(words: &'a [u32]) -> Self {
+        Self { words, now: 0, at: Self::ends(words, 0), push: None }
+    }
+
+    /// The tick of the change after the one that begins there.
+    #[inline(always)]
+    fn ends(words: &[u32], begins: u32) -> u32 {
+        words.get((begins + CHANGE) as usize).copied().unwrap_or(u32::MAX)
+    }
 }
 
 impl Course for Changes<'_> {
     #[inline(always)]
     fn asked(&mut self, tick: u32) -> Option<Reference<f32>> {
-        if tick != self.at {
-            return None;
+        if tick == self.at {
+            self.now += CHANGE;
+            self.at = Self::ends(self.words, self.now);
         }
-        let here = self.words.get(self.next..)?;
-        self.next += CHANGE;
-        self.at = here.get(CHANGE).copied().unwrap_or(u32::MAX);
-        let flags = here.get(1).copied().unwrap_or(0);
-        let number = |k: usize| f32::from_bits(here.get(k).copied().unwrap_or(0));
-        self.push = (flags & 2 != 0).then(|| number(8));
-        (flags & 1 != 0).then(|| Reference {
-            angle: PerAxis::new(number(2), number(3)),
-            rate: PerAxis::new(number(4), number(5)),
-            accel: PerAxis::new(number(6), number(7)),
-        })
+        let here = self.words.get(self.now as usize..).and_then(<[u32]>::first_chunk);
+        let [_, pushes, push, asked @ ..]: [u32; CHANGE as usize] = here.copied().unwrap_or_default();
+        self.push = (pushes != 0).then_some(f32::from_bits(push));
+        let [a, b, c, d, e, f] = asked.map(f32::from_bits);
+        Some(Reference { angle: PerAxis::new(a, b), rate: PerAxis::new(c, d), accel: PerAxis::new(e, f) })
     }
 
     #[inline(always)]

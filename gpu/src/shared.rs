@@ -1,38 +1,56 @@
-//! Shared memory.
+//! A multiprocessor's shared memory: where a thread keeps what few ticks look at.
+//!
+//! A thread has at most 255 registers, and what a flight looks at is more. An assembler that runs out of them
+//! chooses for itself what goes to memory; here what is looked at in every fourth tick alone is put there,
+//! and none is left for it to choose.
+
 #![allow(unsafe_code, reason = "memory that the language has no name for")]
 
+use crate::BLOCK;
 use core::arch::nvptx::_thread_idx_x;
 use core::arch::{asm, global_asm};
 use core::borrow::{Borrow, BorrowMut};
-use core::marker::PhantomData;
 use twinrotor::monitor::Motion;
 
-const BLOCK: usize = 128;
-const STRIDE: usize = (size_of::<Motion<f32>>() / 4 | 1) * 4;
+/// \[bytes\] From one thread's to the next one's: an odd number of words, so that the threads of a warp, which
+/// look at the same one of them at a time, find it in different banks.
+const STRIDE: u32 = (size_of::<Motion<f32>>() as u32 / 4 | 1) * 4;
 
-global_asm!(".shared .align 4 .b8 twinrotor_kept[{}];", const STRIDE * BLOCK);
+// One for each thread of a block. A multiprocessor of the oldest cards has 64 KiB and is to have two blocks.
+global_asm!(".shared .align 4 .b8 twinrotor_kept[{bytes}];", bytes = const STRIDE * BLOCK);
+const _: () = assert!(2 * STRIDE * BLOCK <= 64 << 10 && align_of::<Motion<f32>>() == 4);
 
-#[derive(Debug, Clone, Copy)]
-pub struct Kept<T> {
+/// This thread's [`Motion`], in shared memory.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    /// \[bytes\] From the beginning of the block's.
     offset: u32,
-    of: PhantomData<T>,
 }
 
-impl<T> Kept<T> {
+impl Kept {
+    /// Puts it there.
     #[inline(always)]
-    pub fn new(value: T) -> Self {
-        let offset = unsafe { _thread_idx_x() as u32 } * STRIDE as u32;
-        let kept = Self { offset, of: PhantomData };
-        unsafe { kept.at().write(value) };
+    pub(crate) fn new(motion: Motion<f32>) -> Self {
+        // SAFETY: a special register, which can always be read.
+        let kept = Self { offset: unsafe { _thread_idx_x() } * STRIDE };
+        // SAFETY: this thread's own, of this size and aligned to words.
+        unsafe { kept.at().write(motion) };
         kept
     }
 
+    /// Where it is. The compiler does not know that this is the same place every time, and so does not keep
+    /// in registers what stands there.
     #[inline(always)]
-    fn at(&self) -> *mut T {
-        let at: *mut T;
+    fn at(&self) -> *mut Motion<f32> {
+        let at: *mut Motion<f32>;
+        // SAFETY: reads the address of what is declared above, and writes the registers declared.
         unsafe {
             asm!(
-                "{{ .reg .u32 a; mov.u32 a, twinrotor_kept; add.u32 a, a, {offset}; cvt.u64.u32 {at}, a; cvta.shared.u64 {at}, {at}; }}",
+                "{{ .reg .b64 begin;",
+                "mov.u64 begin, twinrotor_kept;",
+                "cvta.shared.u64 begin, begin;",
+                "cvt.u64.u32 {at}, {offset};",
+                "add.s64 {at}, {at}, begin; }}",
                 offset = in(reg32) self.offset,
                 at = out(reg64) at,
                 options(nomem, nostack, preserves_flags)
@@ -42,16 +60,18 @@ impl<T> Kept<T> {
     }
 }
 
-impl<T> Borrow<T> for Kept<T> {
+impl Borrow<Motion<f32>> for Kept {
     #[inline(always)]
-    fn borrow(&self) -> &T {
+    fn borrow(&self) -> &Motion<f32> {
+        // SAFETY: `new` has written it, and only this thread knows of it.
         unsafe { &*self.at() }
     }
 }
 
-impl<T> BorrowMut<T> for Kept<T> {
+impl BorrowMut<Motion<f32>> for Kept {
     #[inline(always)]
-    fn borrow_mut(&mut self) -> &mut T {
+    fn borrow_mut(&mut self) -> &mut Motion<f32> {
+        // SAFETY: as above; borrowed as `self` is.
         unsafe { &mut *self.at() }
     }
 }

@@ -8,8 +8,8 @@ pub use twinrotor::bench::Hardware;
 
 #[cfg(feature = "std")]
 use crate::scenario::Now;
-use twinrotor::axes::{PerAxis, PerMotor};
 use serde::{Deserialize, Serialize};
+use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Bench, Encoders, Worn, counts_per_angle};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;

@@ -1,6 +1,7 @@
 //! NVIDIA's driver, found at run time, and the kernels that were there when this was built.
 
 use super::driver::{Argument, Driver, Fault};
+use crate::BLOCK;
 use cudarc::driver::{
     CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DriverError, LaunchConfig, PushKernelArg,
     sys,
@@ -13,9 +14,6 @@ use std::vec::Vec;
 
 /// The kernels' text, if `scripts/build-ptx.sh` had made it when this was built.
 const KERNELS: Option<&str> = include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
-
-/// Threads in a block. Each has up to 255 registers, and a multiprocessor 65,536.
-const BLOCK: u32 = 128;
 
 /// The first card of this machine.
 #[derive(Debug)]
@@ -113,6 +111,7 @@ impl Driver for Cuda {
         let mut launch = self.stream.launch_builder(&function);
         for argument in arguments {
             match argument {
+                Argument::Copied(words) => launch.arg(*words),
                 Argument::Words(memory) => launch.arg(*memory),
                 Argument::Number(number) => launch.arg(number),
             };

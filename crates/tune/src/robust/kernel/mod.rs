@@ -10,7 +10,7 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::Real;
-use twinrotor_sim::closed_loop::{Hardware, RigLoop};
+use twinrotor_sim::closed_loop::{Hardware, Instruments, RigLoop};
 use twinrotor_sim::device::{Device, changes};
 use twinrotor_sim::guard::Guard;
 use twinrotor_sim::judged::{Flown, HOLD, fly};
