@@ -17,5 +17,5 @@ pub mod robust;
 mod shared;
 pub mod words;
 
-/// Threads in a block.
+/// Threads in a block. Each has up to 255 registers, and a multiprocessor 65,536: two blocks.
 pub const BLOCK: u32 = 128;

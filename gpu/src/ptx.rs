@@ -20,8 +20,8 @@ fn number() -> u32 {
     unsafe { _block_idx_x() * _block_dim_x() + _thread_idx_x() }
 }
 
-/// What all flights have in common: not where it stands but it itself, for what a launch is called with costs
-/// no registers.
+/// What all flights have in common: not where it stands, but it itself. What a launch is called with is at
+/// hand for every instruction and needs no register.
 #[repr(C)]
 struct Common {
     words: [u32; COMMON],

@@ -12,8 +12,8 @@ use core::arch::{asm, global_asm};
 use core::borrow::{Borrow, BorrowMut};
 use twinrotor::monitor::Motion;
 
-/// \[bytes\] From one thread's to the next one's: an odd number of words, so that the threads of a warp, which
-/// look at the same one of them at a time, find it in different banks.
+/// \[bytes\] From one thread's to the next one's: an odd number of words, so that what the threads of a warp
+/// look at at a time, the same word of each, is in different banks.
 const STRIDE: u32 = (size_of::<Motion<f32>>() as u32 / 4 | 1) * 4;
 
 // One for each thread of a block. A multiprocessor of the oldest cards has 64 KiB and is to have two blocks.

@@ -47,8 +47,8 @@ pub struct Wrong<M> {
     pub finite: M,
 }
 
-/// The rules, their limits and their memory: what every tick looks at first. `M` holds what only every
-/// [`MOTION_EVERY`]th tick looks at, here or elsewhere.
+/// The rules, their limits and their memory: what every tick looks at first. Most of a [`Motion`] only every
+/// [`MOTION_EVERY`]th does, so `M` may be where there is more room: a GPU has few registers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct FlightRules<R: Real, M = Motion<R>> {

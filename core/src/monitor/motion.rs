@@ -89,7 +89,7 @@ pub const AGAINST_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
 pub const STOP_MARGIN: f32 = 0.05;
 
-/// The comparison's constants and memory.
+/// The comparison's constants and memory; [`FlightRules`](super::FlightRules) looks at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion<R: Real> {
     body: LinearBody<R>,

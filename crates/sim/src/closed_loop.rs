@@ -142,7 +142,7 @@ pub struct RigLoop<R> {
     latched: PerMotor<R>,
 }
 
-/// What of [`Hardware`] a tick reckons with, where nothing is worn; the same in every lane.
+/// What ticks have of [`Hardware`] beside its wear: the same in every lane, and in every thread of a GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Instruments<S> {
     /// \[counts/rad\] Of the encoders.
@@ -185,7 +185,7 @@ impl<R: Real> RigLoop<R> {
         Self::fitted(plant, &Instruments::of(hardware), worn, encoder_phase, settings)
     }
 
-    /// As [`RigLoop::assemble`], from what there is.
+    /// As [`RigLoop::assemble`], with hardware that is `worn` and what else a tick has of it.
     #[inline(always)]
     pub fn fitted(
         plant: RealPlant<R>,

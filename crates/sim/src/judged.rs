@@ -47,7 +47,7 @@ pub struct Rules {
     pub hot: bool,
 }
 
-/// [`Rules`] as a tick compares with them: numbers that are the same in every lane.
+/// [`Rules`] as ticks compare with them: the same numbers in every lane, and in every thread of a GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// \[rad\] Where to.

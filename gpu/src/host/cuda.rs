@@ -15,6 +15,9 @@ use std::vec::Vec;
 /// The kernels' text, if `scripts/build-ptx.sh` had made it when this was built.
 const KERNELS: Option<&str> = include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
+/// Threads that go side by side.
+const WARP: u32 = 32;
+
 /// The first card of this machine.
 #[derive(Debug)]
 pub struct Cuda {
@@ -79,6 +82,36 @@ impl Cuda {
 
     fn function(&self, kernel: &str) -> Result<CudaFunction, Fault> {
         Ok(self.module.load_function(kernel)?)
+    }
+}
+
+/// What a kernel takes of a card, as its driver has translated it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// Registers of a thread.
+    pub registers: i32,
+    /// \[bytes\] A thread's own memory, where what finds no register is.
+    pub local: i32,
+    /// \[bytes\] Of a block's.
+    pub shared: i32,
+    /// Warps that a multiprocessor has of it at a time.
+    pub warps: u32,
+}
+
+impl Cuda {
+    /// What a kernel takes.
+    ///
+    /// # Errors
+    /// There is none of this name, or the card is lost.
+    pub fn needs(&self, kernel: &str) -> Result<Needs, Fault> {
+        let function = self.function(kernel)?;
+        let blocks = function.occupancy_max_active_blocks_per_multiprocessor(BLOCK, 0, None)?;
+        Ok(Needs {
+            registers: function.num_regs()?,
+            local: function.local_size_bytes()?,
+            shared: function.shared_size_bytes()?,
+            warps: blocks * (BLOCK / WARP),
+        })
     }
 }
 
