@@ -33,7 +33,7 @@ use crate::axes::{PerAxis, PerMotor};
 use crate::command_filter::FilterSettings;
 use crate::pipeline::settings::Settings;
 use crate::plant::{RigidBody, State};
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::reference::Reference;
 use crate::static_reach::{StaticReach, hold_volts};
 
@@ -197,11 +197,16 @@ impl<R: Real> Governor<R> {
             R::select(R::zero().lt(motion), opened, R::from_f64(BEGIN))
         });
         let share = self.open.scaled(leave.motion);
-        // Elsewhere a division by 0 costs no more than another one.
-        let at_rest = cfg!(target_arch = "nvptx64") && (motion.pitch + motion.yaw).le(R::zero()).all();
+        #[cfg(target_arch = "nvptx64")]
+        let at_rest = crate::real::Mask::all((motion.pitch + motion.yaw).le(R::zero()));
         let most = |limit: PerAxis<R>, now: PerAxis<R>| {
-            let limit = limit.zip(share, |limit, share| limit * share);
-            if at_rest { limit.map(over_zero) } else { limit.zip(now, |limit, now| limit / now.abs()) }
+            limit.zip(share, |limit, share| limit * share).zip(now, |limit, now| {
+                #[cfg(target_arch = "nvptx64")]
+                if at_rest {
+                    return over_zero(limit);
+                }
+                limit / now.abs()
+            })
         };
         let rate = most(self.rate, wanted.rate);
         let accel = most(self.accel, wanted.accel);
@@ -235,6 +240,7 @@ impl<R: Real> Governor<R> {
 
 /// x/0, to the bit. A GPU divides by most numbers in ten instructions, but by 0 in a subroutine of some 40;
 /// and most setpoints are at rest.
+#[cfg(any(target_arch = "nvptx64", test))]
 #[inline(always)]
 fn over_zero<R: Real>(x: R) -> R {
     x * R::from_f64(f64::INFINITY)

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use twinrotor::SAMPLE_TIME;
 use twinrotor::allocation::AllocationSettings;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Wear, Worn};
+use twinrotor::bench::{Hardware, Wear};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::estimator::EstimatorSettings;
 use twinrotor::law::LawSettings;
@@ -17,7 +17,7 @@ use twinrotor::plant::presets::PAPER;
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
 use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
-use twinrotor_sim::closed_loop::{Instruments, RigLoop, Tick};
+use twinrotor_sim::closed_loop::{Fittings, RigLoop, Tick};
 use twinrotor_sim::guard::Guard;
 use twinrotor_sim::judged::{Bounds, Course, Ended, Flown, fly};
 use twinrotor_sim::metrics::Settling;
@@ -28,7 +28,51 @@ pub struct Common {
     /// What they are judged by.
     pub bounds: Bounds,
     /// Sensors and amplifiers, none of them worn.
-    pub instruments: Instruments<f32>,
+    pub instruments: Instruments,
+}
+
+/// What a closed loop has of hardware that is not worn, in the numbers that it reckons with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Instruments {
+    counts_per_angle: PerAxis<f32>,
+    angle_per_count: PerAxis<f32>,
+    pwm_steps: u32,
+    supply: f32,
+}
+
+impl Instruments {
+    /// Those of `hardware`.
+    pub fn new(hardware: &Hardware) -> Self {
+        let fittings: &dyn Fittings<f32> = hardware;
+        Self {
+            counts_per_angle: fittings.counts_per_angle(),
+            angle_per_count: fittings.angle_per_count(),
+            pwm_steps: fittings.pwm_steps(),
+            supply: fittings.supply(),
+        }
+    }
+}
+
+impl Fittings<f32> for Instruments {
+    fn counts_per_angle(&self) -> PerAxis<f32> {
+        self.counts_per_angle
+    }
+
+    fn angle_per_count(&self) -> PerAxis<f32> {
+        self.angle_per_count
+    }
+
+    fn pwm_steps(&self) -> u32 {
+        self.pwm_steps
+    }
+
+    fn supply(&self) -> f32 {
+        self.supply
+    }
+
+    fn wear(&self) -> Wear {
+        Wear::default()
+    }
 }
 
 /// Words that there are for a [`Common`], of this kind or of [`integral`](crate::integral)'s.
@@ -138,8 +182,7 @@ pub fn flight<M: BorrowMut<Motion<f32>>>(
 ) -> Option<Flown> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
-    let worn = Worn::new(&Wear::default(), plant.state().angle);
-    let closed_loop = RigLoop::fitted(plant, &common.instruments, worn, phase, &settings);
+    let closed_loop = RigLoop::assemble(plant, &common.instruments, phase, &settings);
     let guard = Guard::new(&settings, &common.instruments).keeping(keep);
     let limit = settings.volts_limit;
     let sums = fly(
@@ -163,8 +206,7 @@ pub const TRACE: usize = 2;
 #[inline(always)]
 pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
-    let worn = Worn::new(&Wear::default(), plant.state().angle);
-    let closed_loop = RigLoop::fitted(plant, &common.instruments, worn, phase, &settings);
+    let closed_loop = RigLoop::assemble(plant, &common.instruments, phase, &settings);
     let guard = Guard::new(&settings, &common.instruments);
     let limit = settings.volts_limit;
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;

@@ -10,7 +10,7 @@ use twinrotor::plant::presets::{self, Rig};
 use twinrotor::plant::{RealPlant, State};
 use twinrotor::real::Real;
 use twinrotor::reference::Reference;
-use twinrotor_sim::closed_loop::{ClosedLoop, Hardware, Instruments, RigLoop, Tick};
+use twinrotor_sim::closed_loop::{ClosedLoop, Hardware, RigLoop, Tick};
 use twinrotor_sim::guard::Guard;
 use twinrotor_sim::lanes::{Kernel, LANES, in_lanes};
 use twinrotor_sim::scenario::{SAMPLE_TIME, Scenario};
@@ -31,7 +31,7 @@ impl Kernel for Own<'_> {
     fn run<R: Real<Scalar = f32>>(self) -> usize {
         let settings = self.settings.map(R::splat);
         let hardware = Hardware::of(self.rig, PerAxis::both(0.5));
-        let mut guard = Guard::new(&settings, &Instruments::of(&hardware));
+        let mut guard = Guard::new(&settings, &hardware);
         if self.watched {
             self.fly(
                 &settings,

@@ -8,9 +8,8 @@ pub use twinrotor::bench::Hardware;
 
 #[cfg(feature = "std")]
 use crate::scenario::Now;
-use serde::{Deserialize, Serialize};
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Encoders, Worn, counts_per_angle};
+use twinrotor::bench::{Bench, Encoders, Wear, Worn, counts_per_angle};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::{CounterWidth, angle_per_count};
@@ -142,28 +141,41 @@ pub struct RigLoop<R> {
     latched: PerMotor<R>,
 }
 
-/// What ticks have of [`Hardware`] beside its wear: the same in every lane, and in every thread of a GPU.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Instruments<S> {
+/// What a closed loop has of a rig's hardware.
+pub trait Fittings<R> {
     /// \[counts/rad\] Of the encoders.
-    pub counts_per_angle: PerAxis<S>,
+    fn counts_per_angle(&self) -> PerAxis<R>;
     /// \[rad\] As the controller has it.
-    pub angle_per_count: PerAxis<S>,
+    fn angle_per_count(&self) -> PerAxis<R>;
     /// Compare steps between zero and full voltage.
-    pub pwm_steps: u32,
+    fn pwm_steps(&self) -> u32;
     /// \[V\] Supply of the amplifiers.
-    pub supply: S,
+    fn supply(&self) -> R;
+    /// What is worn.
+    fn wear(&self) -> Wear;
 }
 
-impl<S: Real> Instruments<S> {
-    /// Those of `hardware`.
-    pub fn of(hardware: &Hardware) -> Self {
-        Self {
-            counts_per_angle: hardware.encoder_counts.map(counts_per_angle),
-            angle_per_count: hardware.believed_counts.map(angle_per_count),
-            pwm_steps: hardware.pwm_steps,
-            supply: S::from_f64(hardware.supply),
-        }
+impl<R: Real> Fittings<R> for Hardware {
+    #[inline(always)]
+    fn counts_per_angle(&self) -> PerAxis<R> {
+        self.encoder_counts.map(counts_per_angle)
+    }
+
+    #[inline(always)]
+    fn angle_per_count(&self) -> PerAxis<R> {
+        self.believed_counts.map(angle_per_count)
+    }
+
+    fn pwm_steps(&self) -> u32 {
+        self.pwm_steps
+    }
+
+    fn supply(&self) -> R {
+        R::from_f64(self.supply)
+    }
+
+    fn wear(&self) -> Wear {
+        self.wear
     }
 }
 
@@ -176,36 +188,24 @@ impl<R: Real> RigLoop<R> {
     /// As [`RigLoop::new`], with an encoder phase [counts, 0..1] that may differ from lane to lane.
     pub fn assemble(
         mut plant: RealPlant<R>,
-        hardware: &Hardware,
+        hardware: &impl Fittings<R>,
         encoder_phase: PerAxis<R>,
         settings: &Settings<R>,
     ) -> Self {
-        plant.set_cable(&hardware.wear.cable);
-        let worn = Worn::new(&hardware.wear, plant.state().angle);
-        Self::fitted(plant, &Instruments::of(hardware), worn, encoder_phase, settings)
-    }
-
-    /// As [`RigLoop::assemble`], with hardware that is `worn` and what else a tick has of it.
-    #[inline(always)]
-    pub fn fitted(
-        plant: RealPlant<R>,
-        instruments: &Instruments<R::Scalar>,
-        worn: Worn<R>,
-        encoder_phase: PerAxis<R>,
-        settings: &Settings<R>,
-    ) -> Self {
-        let encoders = Encoders::scaled(PerAxis::splat(instruments.counts_per_angle), encoder_phase);
-        let angle_per_count: PerAxis<R> = PerAxis::splat(instruments.angle_per_count);
+        let wear = hardware.wear();
+        plant.set_cable(&wear.cable);
+        let encoders = Encoders::scaled(hardware.counts_per_angle(), encoder_phase);
+        let angle_per_count = hardware.angle_per_count();
         let counts = encoders.counts(plant.state().angle);
         let start = counts.zip(angle_per_count, |c, a| c * a);
-        let supply = R::splat(instruments.supply);
+        let supply = hardware.supply();
         Self {
-            worn,
+            worn: Worn::new(&wear, plant.state().angle),
             plant,
             encoders,
             angle_per_count,
             pipeline: Pipeline::new(settings, start),
-            drive: Drive::new(instruments.pwm_steps),
+            drive: Drive::new(hardware.pwm_steps()),
             sound_supply: supply,
             supply,
             latched: PerMotor::zero(),

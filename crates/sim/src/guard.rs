@@ -17,7 +17,7 @@
 //! Heat ends no flight: what the motors can take limits their volts
 //! ([`CurrentLimit`](twinrotor::allocation::CurrentLimit)).
 
-use crate::closed_loop::{ARMS, Instruments, Tick, limits};
+use crate::closed_loop::{ARMS, Fittings, Tick, limits};
 use crate::judged::Ended;
 use core::borrow::BorrowMut;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -44,12 +44,12 @@ pub struct Guard<R: Real, M = Motion<R>> {
 
 impl<R: Real<Scalar = f32>> Guard<R> {
     /// Of the controllers and the sensors that fly.
-    pub fn new(settings: &Settings<R>, instruments: &Instruments<f32>) -> Self {
-        let encoders = instruments
-            .angle_per_count
+    pub fn new(settings: &Settings<R>, hardware: &impl Fittings<f32>) -> Self {
+        let encoders = hardware
+            .angle_per_count()
             .map(|angle_per_count| EncoderScale { angle_per_count, rest_counts: 0 });
         Self {
-            rules: FlightRules::new(settings, &encoders, &limits(instruments.supply)),
+            rules: FlightRules::new(settings, &encoders, &limits(hardware.supply())),
             counts: PerAxis::zero(),
             wanted: PerAxis::zero(),
             demand: PerMotor::zero(),

@@ -4,7 +4,7 @@ use super::card::unsaid;
 use super::driver::Fault;
 use super::written;
 use crate::integral::{self, INSTANT};
-use crate::robust::{CHANGE, COMMON, Common};
+use crate::robust::{CHANGE, COMMON, Common, Instruments};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::vec::Vec;
@@ -14,7 +14,6 @@ use twinrotor::bench::Hardware;
 use twinrotor::plant::{LaggedRotors, PlantParameters, State, Thrust as _};
 use twinrotor::real::Real as _;
 use twinrotor::reference::Reference;
-use twinrotor_sim::closed_loop::Instruments;
 use twinrotor_sim::device::{Batch, Change, Draw, Instant, Integrals};
 
 /// Every controller on every plant.
@@ -34,7 +33,7 @@ impl<'a> Work<'a> {
         Ok(Self {
             common: filled(&Common {
                 bounds: batch.rules.bounds(),
-                instruments: Instruments::of(&batch.hardware),
+                instruments: Instruments::new(&batch.hardware),
             })?,
             course: course_words(batch),
             controllers: batch.controllers.iter().map(written).collect::<Result<_, _>>().map_err(unsaid)?,

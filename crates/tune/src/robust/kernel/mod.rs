@@ -10,7 +10,7 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{LaggedRotors, RealPlant, State, Thrust};
 use twinrotor::real::Real;
-use twinrotor_sim::closed_loop::{Hardware, Instruments, RigLoop};
+use twinrotor_sim::closed_loop::{Hardware, RigLoop};
 use twinrotor_sim::device::{Device, changes};
 use twinrotor_sim::guard::Guard;
 use twinrotor_sim::judged::{Flown, HOLD, fly};
@@ -92,7 +92,7 @@ impl Kernel for Flights<'_> {
         let limit = self.settings.volts_limit.map(R::splat);
         let bounds = self.course.rules(self.truth.envelope).bounds();
         let (flown, disturbance) = (self.closed_loop::<R>(), self.disturbance::<R>());
-        let guard = Guard::new(&self.settings.map(R::splat), &Instruments::of(&self.hardware));
+        let guard = Guard::new(&self.settings.map(R::splat), &self.hardware);
         let sums = fly(
             flown,
             guard,
