@@ -15,7 +15,8 @@ folder=target/ptx/venv
 assembler() { find "$folder" -path '*/cuda_nvcc/bin/ptxas' -print -quit; }
 if [ -z "$(assembler 2>/dev/null)" ]; then
   python3 -m venv "$folder"
-  "$folder/bin/pip" install -q --disable-pip-version-check --no-deps nvidia-cuda-nvcc-cu12==12.9.86 || true
+  "$folder/bin/python" -m pip install -q --disable-pip-version-check --no-deps \
+    nvidia-cuda-nvcc-cu12==12.9.86 || true
 fi
 ptxas=$(assembler)
 if [ -z "$ptxas" ]; then

@@ -24,8 +24,11 @@ use twinrotor_gpu::host::driver::{Argument, Driver, Fault};
 #[derive(Debug)]
 pub(crate) struct Machine {
     program: Program,
-    executed: Mutex<BTreeMap<String, u64>>,
+    executed: Mutex<Executed>,
 }
+
+/// How often each instruction, by its line in the text and its name.
+pub(crate) type Executed = BTreeMap<(usize, String), u64>;
 
 /// Words on it.
 #[derive(Debug)]
@@ -43,8 +46,8 @@ impl Machine {
         Self { program: Program::of(text), executed: Mutex::default() }
     }
 
-    /// How often all threads together have executed each instruction, by its name.
-    pub(crate) fn executed(&self) -> BTreeMap<String, u64> {
+    /// What all threads together have executed.
+    pub(crate) fn executed(&self) -> Executed {
         self.executed.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
@@ -107,8 +110,8 @@ impl Driver for Machine {
             pieces = thread.pieces;
         }
         let mut all = self.executed.lock().unwrap_or_else(PoisonError::into_inner);
-        for (name, times) in kernel.names.iter().zip(executed) {
-            *all.entry(name.clone()).or_default() += times;
+        for (place, times) in kernel.places.iter().zip(executed) {
+            *all.entry(place.clone()).or_default() += times;
         }
         for (mut place, piece) in held.into_iter().zip(pieces.into_iter().skip(DECLARED as usize)) {
             *place = piece;

@@ -17,8 +17,8 @@ pub(crate) struct Kernel {
     /// \[bytes\] Where each is among them, and how long.
     pub(crate) parameters: Vec<(usize, usize)>,
     pub(crate) steps: Vec<Instruction>,
-    /// The instructions' names.
-    pub(crate) names: Vec<String>,
+    /// The instructions' lines in the text, counted from 1, and their names.
+    pub(crate) places: Vec<(usize, String)>,
     /// \[bits\] Of each register.
     pub(crate) widths: Vec<u32>,
 }
@@ -78,11 +78,12 @@ impl Program {
         }
         assert!(constants.len().max(shared) < APART as usize && DECLARED == 2);
         let entries = text.split(".visible .entry ").skip(1);
+        let line_of = |part: &str| text[..part.as_ptr() as usize - text.as_ptr() as usize].lines().count();
         let kernels = entries.map(|entry| {
             let (name, rest) = entry.split_once('(').expect("parameters");
             let (parameters, rest) = rest.split_once(')').expect("their end");
             let body = rest.split("// -- End function").next().unwrap_or_default();
-            (name.to_owned(), Reader::kernel(parameters, body, &declared))
+            (name.to_owned(), Reader::kernel(parameters, body, line_of(body), &declared))
         });
         Self { kernels: kernels.collect(), constants, shared }
     }
@@ -96,7 +97,13 @@ fn declaration(line: &str) -> Option<(&str, &str, usize)> {
 }
 
 impl<'a> Reader<'a> {
-    fn kernel(parameters: &'a str, body: &'a str, declared: &'a BTreeMap<&'a str, u64>) -> Kernel {
+    /// Whose body begins in this `line`.
+    fn kernel(
+        parameters: &'a str,
+        body: &'a str,
+        line: usize,
+        declared: &'a BTreeMap<&'a str, u64>,
+    ) -> Kernel {
         let none = HashMap::new;
         let mut reader = Self {
             kernel: Kernel::default(),
@@ -118,17 +125,19 @@ impl<'a> Reader<'a> {
             end = place + size;
         }
         let statements = reader.statements(body);
-        for statement in statements {
-            let instruction = reader.instruction(statement);
+        for (at, statement) in statements {
+            let (name, instruction) = reader.instruction(statement);
+            reader.kernel.places.push((line + at, name.to_owned()));
             reader.kernel.steps.push(instruction);
         }
         reader.kernel
     }
 
-    /// Takes note of labels, tables and registers; gives the instructions' text.
-    fn statements(&mut self, body: &'a str) -> Vec<&'a str> {
+    /// Takes note of labels, tables and registers; gives the instructions' text, and
+    /// in which line of the body they are.
+    fn statements(&mut self, body: &'a str) -> Vec<(usize, &'a str)> {
         let (mut statements, mut table) = (Vec::new(), None);
-        for line in body.lines() {
+        for (at, line) in body.lines().enumerate() {
             let line = line.split("//").next().unwrap_or_default().trim();
             if let Some((name, ".branchtargets")) = line.split_once(": ") {
                 table = Some(name);
@@ -149,7 +158,7 @@ impl<'a> Reader<'a> {
                         None if statement.contains(['.', ' '])
                             || ["ret", "exit", "trap"].contains(&statement) =>
                         {
-                            statements.push(statement);
+                            statements.push((at, statement));
                         }
                         None => {}
                     }
@@ -159,7 +168,7 @@ impl<'a> Reader<'a> {
         statements
     }
 
-    /// Such as `.b64 begin`; those of the whole kernel, such as `.b32 %r<12>`, say by their names what they are.
+    /// Such as `.b64 begin`; those of the whole kernel, such as `.b32 %r<12>`, are known by their names.
     fn declare(&mut self, text: &'a str) {
         let (kind, name) = text.split_once([' ', '\t']).expect("a kind and a name");
         if !name.contains('<') {
@@ -214,7 +223,7 @@ impl<'a> Reader<'a> {
         (base, offset.parse::<i64>().expect("an offset") as u64)
     }
 
-    fn instruction(&mut self, statement: &'a str) -> Instruction {
+    fn instruction(&mut self, statement: &'a str) -> (&'a str, Instruction) {
         let (guard, rest) = match statement.strip_prefix('@') {
             Some(guarded) => {
                 let (guard, rest) = guarded.split_once(' ').expect("a guard");
@@ -224,10 +233,9 @@ impl<'a> Reader<'a> {
             None => (None, statement),
         };
         let (name, rest) = rest.split_once([' ', '\t']).unwrap_or((rest, ""));
-        self.kernel.names.push(name.to_owned());
         // Two halves in braces are two operands.
         let list: Vec<&str> = rest.split([',', '{', '}']).map(str::trim).filter(|o| !o.is_empty()).collect();
-        Instruction { guard, what: self.step(name, rest, &list) }
+        (name, Instruction { guard, what: self.step(name, rest, &list) })
     }
 
     fn step(&mut self, name: &str, rest: &str, list: &[&'a str]) -> Step {
