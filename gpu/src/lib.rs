@@ -15,6 +15,7 @@ mod ptx;
 pub mod robust;
 #[cfg(target_arch = "nvptx64")]
 mod shared;
+pub mod told;
 pub mod words;
 
 /// Threads in a block. Each has up to 255 registers, and a multiprocessor 65,536: two blocks.

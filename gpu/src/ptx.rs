@@ -3,8 +3,9 @@
 #![allow(unsafe_code, reason = "raw memory and special registers are what a kernel is called with")]
 
 use crate::integral::{self, INTEGRATED};
-use crate::robust::{COMMON, FLOWN, Given, TRACE, flight, to_words, trace, usual};
+use crate::robust::{FLOWN, Given, TRACE, flight, to_words, trace, usual};
 use crate::shared::Kept;
+use crate::told::COMMON;
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x, trap};
 use core::slice;
 

@@ -1,6 +1,6 @@
 //! What of a card's driver is used, so that something else can stand in for it.
 
-use crate::robust::COMMON;
+use crate::told::COMMON;
 use std::fmt;
 use std::string::String;
 use std::vec::Vec;

@@ -4,7 +4,7 @@ use super::card::unsaid;
 use super::driver::Fault;
 use super::written;
 use crate::integral::{self, INSTANT};
-use crate::robust::{CHANGE, COMMON, Common, Instruments};
+use crate::told::{CHANGE, COMMON, Common, Instruments};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::vec::Vec;
