@@ -128,6 +128,7 @@ pub mod static_reach;
 
 pub mod law;
 
+pub mod adaptive_feed_forward;
 pub mod allocation;
 pub mod lead;
 

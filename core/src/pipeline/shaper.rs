@@ -1,0 +1,65 @@
+//! Step 4 of the tick where there is a command filter: from a setpoint to what the law is to follow.
+
+use crate::adaptive_feed_forward::AdaptiveFeedForward;
+use crate::allocation::{Allocation, CurrentLimit};
+use crate::axes::PerAxis;
+use crate::command_filter::{CommandFilter, FilterSettings};
+use crate::governor::Governor;
+use crate::pipeline::settings::Settings;
+use crate::plant::State;
+use crate::real::Real;
+use crate::reference::Reference;
+
+/// Governor, command filter and adaptive feed-forward, in this order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Shaper<R> {
+    governor: Governor<R>,
+    filter: CommandFilter<R>,
+    feed_forward: AdaptiveFeedForward<R>,
+}
+
+impl<R: Real> Shaper<R> {
+    /// At rest at `angle` \[rad\].
+    pub(crate) fn new(settings: &Settings<R>, filter: &FilterSettings<R>, angle: PerAxis<R>) -> Self {
+        Self {
+            governor: Governor::new(settings, filter),
+            filter: CommandFilter::new(filter, angle, settings.sample_time),
+            feed_forward: AdaptiveFeedForward::new(filter, settings.sample_time),
+        }
+    }
+
+    /// Starts afresh at `angle` \[rad\], at rest.
+    pub(crate) fn restart(&mut self, angle: PerAxis<R>) {
+        self.governor.restart();
+        self.filter.restart(angle);
+        self.feed_forward.restart();
+    }
+
+    /// Goes on from where `other` is.
+    pub(crate) fn continue_from(&mut self, other: &Self) {
+        self.governor.continue_from(&other.governor);
+        self.filter.continue_from(&other.filter);
+        self.feed_forward.continue_from(&other.feed_forward);
+    }
+
+    /// What of `setpoint` to follow in this tick, from `state`, with a `limit` where the motors are known.
+    #[inline(always)]
+    pub(crate) fn step(
+        &mut self,
+        setpoint: &Reference<R>,
+        limit: Option<&CurrentLimit<R>>,
+        state: &State<R>,
+    ) -> Reference<R> {
+        let leave = self.governor.leave(limit);
+        let wanted = self.governor.govern(setpoint, &leave);
+        let asked = self.filter.step(&wanted, self.governor.reach(&leave));
+        let within = self.governor.within(asked, state.angle, &leave);
+        self.feed_forward.apply(&within, &wanted, state, self.governor.in_full())
+    }
+
+    /// Ends the tick: what the motors were made to do about it.
+    #[inline(always)]
+    pub(crate) fn settle(&mut self, allocation: &Allocation<R>) {
+        self.feed_forward.settle(allocation.clipped());
+    }
+}
