@@ -215,6 +215,12 @@ impl<R: Real> Governor<R> {
         }
     }
 
+    /// Does the setpoint move by itself?
+    #[inline(always)]
+    pub fn moving(&self) -> PerAxis<R::Mask> {
+        self.open.map(|open| R::from_f64(BEGIN).lt(open))
+    }
+
     /// Is the setpoint's motion followed as it is, and the rig not left behind?
     #[inline(always)]
     pub fn in_full(&self) -> PerAxis<R::Mask> {
@@ -225,8 +231,7 @@ impl<R: Real> Governor<R> {
     #[inline(always)]
     pub fn within(&mut self, reference: &Reference<R>, angle: PerAxis<R>, leave: &Leave<R>) -> Reference<R> {
         let error = reference.angle.minus(angle);
-        let at_rest = R::from_f64(BEGIN);
-        let share = self.open.map(|open| R::select(at_rest.lt(open), leave.moving_error, leave.error));
+        let share = self.moving().map(|moving| R::select(moving, leave.moving_error, leave.error));
         let most = self.reach.zip(share, |reach, share| reach * share);
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
         let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());

@@ -7,7 +7,7 @@ use crate::command_filter::{CommandFilter, FilterSettings};
 use crate::governor::Governor;
 use crate::pipeline::settings::Settings;
 use crate::plant::State;
-use crate::real::Real;
+use crate::real::{Mask, Real};
 use crate::reference::Reference;
 
 /// Governor, command filter and adaptive feed-forward, in this order.
@@ -54,7 +54,19 @@ impl<R: Real> Shaper<R> {
         let wanted = self.governor.govern(setpoint, &leave);
         let asked = self.filter.step(&wanted, self.governor.reach(&leave));
         let within = self.governor.within(asked, state.angle, &leave);
-        self.feed_forward.apply(&within, &wanted, state, self.governor.in_full())
+        let moving = self.governor.moving();
+        if !(moving.pitch | moving.yaw).any() {
+            return within;
+        }
+        let in_full = self.governor.in_full();
+        let more = self.feed_forward.learn(&within, &wanted, state, in_full);
+        // Where nothing moves there is nothing to add, not even a zero: -0 would become 0.
+        let accel = within.accel.zip(more, |accel, more| accel + more);
+        let accel = PerAxis {
+            pitch: R::select(moving.pitch, accel.pitch, within.accel.pitch),
+            yaw: R::select(moving.yaw, accel.yaw, within.accel.yaw),
+        };
+        Reference { accel, ..within }
     }
 
     /// Ends the tick: what the motors were made to do about it.
