@@ -9,9 +9,9 @@
 //!
 //! with ξ the error that the law sees and ω the command filter's bandwidth: the gradient of adaptive
 //! backstepping (Krstić, Kanellakopoulos and Kokotović, "Nonlinear and Adaptive Control Design", 1995,
-//! section 4.5: the estimate moves by the last error times the regressor), normalised as in Ioannou and Sun,
-//! "Robust Adaptive Control", 1996, section 4.3, so that how fast it learns does not depend on how large the
-//! setpoint is. |θ| is at most `MOST` (their projection).
+//! chapters 3 and 4: an estimate moves by error times regressor), normalised as in Ioannou and Sun, "Robust
+//! Adaptive Control", 1996, chapter 4, so that how fast it learns does not depend on how large the
+//! setpoint is. A step that would make |θ| larger than `MOST` is not taken (their projection).
 //!
 //! - A goal that stands or jumps has no motion of its own: nothing is learned, nothing is added, and a step's
 //!   response is what it is without, to the bit. What has been learned is kept for the next motion.
@@ -103,7 +103,8 @@ impl<R: Real> AdaptiveFeedForward<R> {
         let step = step.zip(in_full, |step, full| R::select(full, step, R::zero()));
         let learn = |share: PerAxis<R>, of: PerAxis<R>| {
             let most = R::from_f64(MOST);
-            share.plus(step.zip(of, |step, of| step * of)).map(|share| share.clamp(-most, most))
+            let moved = share.plus(step.zip(of, |step, of| step * of));
+            moved.zip(share, |moved, share| R::select(moved.abs().le(most), moved, share))
         };
         self.of_accel = learn(self.of_accel, wanted.accel);
         self.of_rate = learn(self.of_rate, rate);

@@ -172,9 +172,13 @@ impl<R: Real> Pipeline<R> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Decision<R> {
-        let reference = match &mut self.shaper {
-            None => *setpoint,
-            Some(shaper) => shaper.step(setpoint, self.current_limit.as_ref(), &belief.estimate.state),
+        let shaped;
+        let reference = *match &mut self.shaper {
+            None => setpoint,
+            Some(shaper) => {
+                shaped = shaper.step(setpoint, self.current_limit.as_ref(), &belief.estimate.state);
+                &shaped
+            }
         };
         let now = Situation::new(&self.model, belief, reference);
         let torque = self.law.torque(&now);

@@ -43,7 +43,10 @@ impl<R: Real> Shaper<R> {
     }
 
     /// What of `setpoint` to follow in this tick, from `state`, with a `limit` where the motors are known.
-    #[inline(always)]
+    ///
+    /// (Once for each kind of number in WebAssembly, whose size counts.)
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
     pub(crate) fn step(
         &mut self,
         setpoint: &Reference<R>,

@@ -150,7 +150,7 @@ fn no_reference_tumbles_a_rig() {
 }
 
 /// On drawn plants what is fed forward is wrong by what their thrust, inertia and lag are off: of these 64
-/// flights 26 had an error of over 15 % of the amplitude, before what is fed forward was learned in flight.
+/// flights 23 had an error of over 15 % of the amplitude, before what is fed forward was learned in flight.
 #[test]
 fn a_quick_sine_is_followed_on_every_plant() {
     let (name, rig) = presets::ALL.into_iter().find(|(name, _)| *name == "paper").expect("the paper's rig");
