@@ -32,8 +32,8 @@ class AtBound:
 class Tuned:
     """What a search has found.
 
-    ``history`` has evaluations and cost at every improvement; ``at_bounds`` what it has left at a bound of its
-    box, or of its last round's.
+    ``history`` has evaluations and cost at every improvement; ``at_bounds`` what it has left at a bound of
+    its box, or of its last round's.
     """
 
     gains: Gains
