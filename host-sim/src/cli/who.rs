@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use twinrotor::plant::presets;
 
-    /// Without a folder of tuned gains a name is its design, and says so; the paper's controller has no other.
+    /// Without a folder of tuned gains a name is its design, and says so; the paper's has no other.
     #[test]
     fn what_has_no_tuned_gains_flies_as_designed_and_says_so() {
         let paper = NamedRig { name: "paper".to_owned(), rig: presets::PAPER };
