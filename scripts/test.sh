@@ -1,19 +1,24 @@
 #!/usr/bin/env bash
-# Tests of the project, from a bare clone: the host's, then the firmware built, read and flown on the virtual
-# board. With `--all`, as `.ci/run` calls it, also those that are marked `#[ignore = "long: ..."]`, each of
-# which repeats with more cases what a shorter one proves, and the images of the firmware that they alone fly.
+# Tests of the project, from a bare clone: the host's. `--board` builds the firmware, reads it and flies it on
+# the virtual board instead. `--all`, as `.ci/run` calls it, does both, with those tests that are marked
+# `#[ignore = "long: ..."]`, each of which repeats with more cases what a shorter one proves, and with the
+# images of the firmware that they alone fly.
 set -euo pipefail
+host=yes
+board=
 long=()
 case "${1:-}" in
   "") ;;
-  --all) long=(-- --include-ignored) ;;
-  *) echo "usage: $0 [--all]" >&2; exit 2 ;;
+  --board) host="" board=yes ;;
+  --all) board=yes long=(-- --include-ignored) ;;
+  *) echo "usage: $0 [--board | --all]" >&2; exit 2 ;;
 esac
 cd "$(dirname "$0")/.."
 . scripts/stage.sh
 . scripts/programs.sh
 
-stage "tests on the host" cargo test "${tested[@]}" "${long[@]}"
+[ -z "$host" ] || stage "tests on the host" cargo test "${tested[@]}" "${long[@]}"
+[ -n "$board" ] || exit 0
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"

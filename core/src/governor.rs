@@ -20,7 +20,7 @@
 //!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
 //!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
 //!   die, and the motors cool. While a setpoint moves by itself, it shrinks as late as the motion does;
-//!   where no heat is known that would bound it, it is half of the reach then (`MOVING_ERROR`), since who
+//!   where no heat is known that would bound it, it is a third of the reach then (`MOVING_ERROR`), since who
 //!   is a whole reach beyond a goal that turns has too little of the way left to be caught on. While the
 //!   bound is in force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full
 //!   again only after `RECOVERY` seconds.
@@ -51,7 +51,7 @@ const LEAST_ERROR: f64 = 0.03;
 /// that the motors can just bear.
 const LEAST_MOVING_ERROR: f64 = 0.08;
 /// \[-\] Of the reach, what an error counts to while the setpoint moves by itself and no heat bounds it.
-const MOVING_ERROR: f64 = 0.5;
+const MOVING_ERROR: f64 = 0.35;
 /// \[-\] Most by which the room that heat leaves for motion may count for more.
 const MOST_EASE: f64 = 2.0;
 /// \[-\] Largest rate of a setpoint, for each rad/s at which a far goal is gone at.
@@ -223,12 +223,23 @@ impl<R: Real> Governor<R> {
         }
     }
 
+    /// Does the setpoint move by itself?
+    #[inline(always)]
+    pub fn moving(&self) -> PerAxis<R::Mask> {
+        self.open.map(|open| R::from_f64(BEGIN).lt(open))
+    }
+
+    /// Is the setpoint's motion followed as it is, and the rig not left behind?
+    #[inline(always)]
+    pub fn in_full(&self) -> PerAxis<R::Mask> {
+        self.scale.map(|scale| R::one().le(scale.min(self.follow)))
+    }
+
     /// `reference` with no further to go than the law should see at once, from `angle` \[rad\].
     #[inline(always)]
     pub fn within(&mut self, reference: &Reference<R>, angle: PerAxis<R>, leave: &Leave<R>) -> Reference<R> {
         let error = reference.angle.minus(angle);
-        let at_rest = R::from_f64(BEGIN);
-        let share = self.open.map(|open| R::select(at_rest.lt(open), leave.moving_error, leave.error));
+        let share = self.moving().map(|moving| R::select(moving, leave.moving_error, leave.error));
         let most = self.reach.zip(share, |reach, share| reach * share);
         let beyond = error.zip(most, |e, most| e.clamp(-most, most) - e);
         let lost = R::zero().lt(beyond.pitch.abs() + beyond.yaw.abs());

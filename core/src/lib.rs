@@ -25,13 +25,14 @@
 //!    the motors may turn.
 //! 4. [`mod@reference`]: where to be. [`approach`] leads from the rest pose to the operator's setpoint after
 //!    arming; [`governor`] keeps it within what the motors can follow and hold ([`static_reach`]);
-//!    [`command_filter`] shapes what is left of jumps into derivatives that belong together.
+//!    [`command_filter`] shapes what is left of jumps into derivatives that belong together;
+//!    [`adaptive_feed_forward`] adds what following a goal that moves has been found to take.
 //! 5. [`law`]: both to the torque on each axis, eqs (26)-(27).
 //! 6. [`allocation`]: torque, after [`lead`] against rotor lag, to motor volts within limits, eqs (28)-(29).
 //! 7. [`drive`]: volts to the duty of the PWM amplifiers, as fine as the [`board`] makes it.
 //! 8. [`telemetry`]: the frame of the tick.
 //!
-//! [`pipeline`] is steps 2, 4 (governor and filter), 5 and 6 over any [`Real`](real::Real);
+//! [`pipeline`] is steps 2, 4 (from the governor on), 5 and 6 over any [`Real`](real::Real);
 //! [`control_loop`] is the whole tick in `f32`. While the supervisor says so, [`first_power`] takes the
 //! place of steps 4 to 6: it turns one motor at a time to check the wiring. [`replay`] takes a recorded tick
 //! through the pipeline, [`trial`] another controller through a flight.
@@ -128,6 +129,7 @@ pub mod static_reach;
 
 pub mod law;
 
+pub mod adaptive_feed_forward;
 pub mod allocation;
 pub mod lead;
 

@@ -10,6 +10,7 @@ import { search } from "./search.js";
  * @property {number[][]} asked
  * @property {number[] | null} best
  * @property {number | null} cost
+ * @property {number[]} at_bounds which gains of the best
  * @property {number} seconds that it computed
  * @property {number} evaluations
  * @property {number} budget
@@ -89,7 +90,10 @@ export class Tuner {
     const best = progress.best ?? [];
     this.best = best;
     byId("tune-best").textContent = best
-      .map((gain, k) => `${this.about.gains[k]} ${gain.toFixed(3)}`)
+      .map((gain, k) => {
+        const held = progress.at_bounds.includes(k) ? " (at its bound)" : "";
+        return `${this.about.gains[k]} ${gain.toFixed(3)}${held}`;
+      })
       .join(", ");
     if (progress.gains_toml) {
       this.found = progress.gains_toml;

@@ -28,6 +28,7 @@ pub struct Tuner {
     scenario: Scenario,
     seed: u64,
     objective: Objective,
+    bounds: Bounds,
     searcher: FlowerPollination,
 }
 
@@ -46,6 +47,8 @@ pub struct Progress {
     pub cost: Option<f64>,
     /// Its step response, when it is a new one.
     pub response: Option<Response>,
+    /// Which coordinates of the best are at a bound: what is beyond, no search has seen.
+    pub at_bounds: Vec<usize>,
     /// It is done, and this is what the command line would write.
     pub gains_toml: Option<String>,
 }
@@ -77,6 +80,7 @@ impl Tuner {
             objective: Objective::new(Criterion::Ise, &rig, &scenario, Fidelity::Ideal, seed),
             scenario,
             seed,
+            bounds: bounds.clone(),
             searcher: FlowerPollination::new(
                 FpaSettings::published(Variant::Paper),
                 bounds,
@@ -102,9 +106,14 @@ impl Tuner {
             asked: asked.into_iter().map(|candidate| candidate.position).collect(),
             best: best.map(|best| best.position.clone()),
             cost: best.map(|best| best.cost),
+            at_bounds: best.map_or_else(Vec::new, |best| self.at_bounds(&best.position)),
             response: best.filter(|_| improved).map(|best| self.response(&best.position)),
             gains_toml: best.filter(|_| evaluations >= budget).map(|_| self.file().to_toml()),
         }
+    }
+
+    fn at_bounds(&self, position: &[f64]) -> Vec<usize> {
+        self.bounds.reached(position).iter().map(|reached| reached.coordinate).collect()
     }
 
     fn cost(&self) -> Option<f64> {
@@ -176,6 +185,8 @@ mod tests {
         let best = search.best().unwrap();
         assert_eq!((last.best.as_ref(), last.cost), (Some(&best.position), Some(best.cost)));
         assert_eq!((seen, search.evaluations()), (EVALUATIONS, EVALUATIONS));
+        let reached: Vec<usize> = search.reached().iter().map(|reached| reached.coordinate).collect();
+        assert!(!reached.is_empty() && last.at_bounds == reached, "{reached:?}");
         // Asked once more, it stays where it is.
         seen = tuner.go_on().evaluations;
         assert_eq!(seen, EVALUATIONS);

@@ -47,7 +47,9 @@ pub(crate) fn bench_tuner(
         cost: *cost,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     });
-    Ok((found.to_toml(), json(&Document { cost: *cost, evaluations: setup.evaluations, history })?))
+    let at_bounds = Objective::at_bounds(&bounds.reached(position), position);
+    let document = Document { cost: *cost, evaluations: setup.evaluations, history, at_bounds };
+    Ok((found.to_toml(), json(&document)?))
 }
 
 /// The lowest cost that is known, and the `standings` of `host-sim bench-tuners --json`.

@@ -21,7 +21,7 @@ use twinrotor_tune::optimise::{ALGORITHMS, Bounds, Candidate, Draws, MOST_EVALUA
 use twinrotor_tune::parallel::Stop;
 use twinrotor_tune::robust::{self, Limit, Plan, Robust, Trial};
 use twinrotor_tune::search::{Effort, Problem, Search};
-use twinrotor_tune::tunable::Tunable;
+use twinrotor_tune::tunable::{AtBound, Tunable};
 
 const CRITERIA: [(&str, Criterion); 3] =
     [("ise", Criterion::Ise), ("iae", Criterion::Iae), ("itae", Criterion::Itae)];
@@ -32,6 +32,8 @@ pub(crate) struct Document<'a> {
     pub(crate) cost: f64,
     pub(crate) evaluations: usize,
     pub(crate) history: &'a [(usize, f64)],
+    /// What it has left at a bound of its box, or of its last round's.
+    pub(crate) at_bounds: Vec<AtBound>,
 }
 
 /// Who is told where a search stands, after every exchange.
@@ -81,9 +83,13 @@ pub(crate) fn setup(algorithm: &str, population: Option<usize>, iterations: usiz
     Ok(Setup { evaluations: each * (iterations + 1), ..setup })
 }
 
-fn told(search: &Search, found: &GainsFile) -> PyResult<(String, String)> {
-    let document =
-        Document { cost: search.cost(), evaluations: search.evaluations(), history: search.history() };
+fn told(search: &Search, found: &GainsFile, at_bounds: Vec<AtBound>) -> PyResult<(String, String)> {
+    let document = Document {
+        cost: search.cost(),
+        evaluations: search.evaluations(),
+        history: search.history(),
+        at_bounds,
+    };
     Ok((found.to_toml(), json(&document)?))
 }
 
@@ -131,7 +137,7 @@ pub(crate) fn tune(
         cost: best.cost,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     });
-    told(&search, &found)
+    told(&search, &found, Objective::at_bounds(&search.reached(), &best.position))
 }
 
 /// What a robust tuning minimises.
@@ -302,5 +308,5 @@ pub(crate) fn tune_robust(
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }),
     };
-    told(&search, &found)
+    told(&search, &found, search.at_bounds_of(tunable))
 }

@@ -1,5 +1,6 @@
 """What Python computes is what the command line computes, to the last bit."""
 
+import dataclasses
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -47,10 +48,17 @@ def test_a_flight_of_another_rig_than_is_believed(host_sim: Run, tmp_path: Path)
 
 @pytest.mark.parametrize(("algorithm", "seed"), [("fpa-paper", 1), ("fpa-adaptive", 5), ("cmaes", 2)])
 def test_gains_of_a_search(host_sim: Run, algorithm: str, seed: int) -> None:
-    folder = host_sim("tune", "--algorithm", algorithm, "--seed", str(seed), "--iterations", "6")
+    folder = host_sim("tune", "--algorithm", algorithm, "--seed", str(seed), "--iterations", "6", "--json")
     tuned = tr.tune(algorithm=algorithm, seed=seed, iterations=6)
     assert tuned.gains.toml == (folder / "gains.toml").read_text()
     assert tuned.history[-1][1] == tuned.cost
+    told = json.loads((folder / "stdout").read_text())["at_bounds"]
+    assert [dataclasses.asdict(end) for end in tuned.at_bounds] == told
+
+
+def test_a_search_that_its_bounds_hold_back_says_so() -> None:
+    held = tr.tune(bounds=(1.0, 5.0), population=12, iterations=12)
+    assert held.at_bounds and {(end.side, end.bound) for end in held.at_bounds} == {("most", 5.0)}
 
 
 def test_gains_of_a_robust_search(host_sim: Run) -> None:

@@ -2,20 +2,20 @@
 //! lanes of the tuner. Nothing in it branches on a number, so every lane does the same.
 
 pub(crate) mod settings;
+mod shaper;
 pub use settings::Settings;
 
 use crate::allocation::{Allocation, Allocator, CurrentLimit, VoltsRange};
 use crate::axes::{PerAxis, PerMotor};
-use crate::command_filter::CommandFilter;
 use crate::controller::ControllerSettings;
 use crate::estimator::{Belief, Estimate, Estimator};
-use crate::governor::Governor;
 use crate::law::{ControlLaw, Law, Situation};
 use crate::lead::Lead;
 use crate::plant::{RigidBody, State};
 use crate::real::Real;
 use crate::reference::Reference;
 use crate::rotor_model::RotorModel;
+use shaper::Shaper;
 
 /// A controller at work.
 ///
@@ -25,7 +25,7 @@ use crate::rotor_model::RotorModel;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct Pipeline<R> {
-    reference: Option<(Governor<R>, CommandFilter<R>)>,
+    shaper: Option<Shaper<R>>,
     cancellation: Option<PerAxis<R>>,
     lead: Option<Lead<R>>,
     current_limit: Option<CurrentLimit<R>>,
@@ -73,9 +73,7 @@ impl<R: Real> Pipeline<R> {
                 angle,
                 sample_time,
             ),
-            reference: controller.filter.map(|filter| {
-                (Governor::new(settings, &filter), CommandFilter::new(&filter, angle, sample_time))
-            }),
+            shaper: controller.filter.map(|filter| Shaper::new(settings, &filter, angle)),
             law: Law::new(&controller.law, effectiveness, sample_time),
             cancellation: controller.cancellation,
             lead: controller.lead,
@@ -102,9 +100,8 @@ impl<R: Real> Pipeline<R> {
     /// rotors which turn still do, and motors which are warm still are.
     pub fn restart(&mut self, angle: PerAxis<R>) {
         self.estimator.restart(angle);
-        if let Some((governor, filter)) = &mut self.reference {
-            governor.restart();
-            filter.restart(angle);
+        if let Some(shaper) = &mut self.shaper {
+            shaper.restart(angle);
         }
         self.law.restart();
     }
@@ -143,9 +140,8 @@ impl<R: Real> Pipeline<R> {
         if own.estimator == others.estimator {
             self.estimator = from.estimator;
         }
-        if let (Some((governor, filter)), Some(from)) = (&mut self.reference, &from.reference) {
-            governor.continue_from(&from.0);
-            filter.continue_from(&from.1);
+        if let (Some(shaper), Some(from)) = (&mut self.shaper, &from.shaper) {
+            shaper.continue_from(from);
         }
         if own.law == others.law {
             self.law = from.law;
@@ -176,15 +172,12 @@ impl<R: Real> Pipeline<R> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn decide(&mut self, belief: Belief<R>, setpoint: &Reference<R>) -> Decision<R> {
-        let governed;
-        let reference = *match &mut self.reference {
+        let shaped;
+        let reference = *match &mut self.shaper {
             None => setpoint,
-            Some((governor, filter)) => {
-                let leave = governor.leave(self.current_limit.as_ref());
-                let wanted = governor.govern(setpoint, &leave);
-                let asked = filter.step(&wanted, governor.reach(&leave));
-                governed = governor.within(asked, belief.estimate.state.angle, &leave);
-                &governed
+            Some(shaper) => {
+                shaped = shaper.step(setpoint, self.current_limit.as_ref(), &belief.estimate.state);
+                &shaped
             }
         };
         let now = Situation::new(&self.model, belief, reference);
@@ -216,6 +209,9 @@ impl<R: Real> Pipeline<R> {
         };
         let allocation = self.allocator.allocate(demand, &range, now.dynamics.opposing);
         self.law.settle(&now, &allocation);
+        if let Some(shaper) = &mut self.shaper {
+            shaper.settle(&allocation);
+        }
         Decision { estimate: now.estimate, reference: now.reference.angle, allocation }
     }
 

@@ -1,14 +1,15 @@
 //! What the tuner minimises: an integral of the tracking error over a flight, for many candidates at once.
 
-use crate::optimise::Candidate;
+use crate::optimise::{Candidate, Reached};
 use crate::parallel::{self, Stop};
 use crate::search::{Effort, Problem};
+use crate::tunable::AtBound;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::Wear;
 use twinrotor::controller::ControllerSettings;
-use twinrotor::gains::Gains;
+use twinrotor::gains::{Gains, NAMES};
 use twinrotor::law::LawSettings;
 use twinrotor::pipeline::Settings;
 use twinrotor::plant::presets::Rig;
@@ -64,6 +65,15 @@ impl Objective {
     pub fn controller(position: &[f64]) -> GainsFile {
         let order: [f64; 4] = position.try_into().expect("four gains");
         GainsFile::backstepping(Gains::from_paper_order(order))
+    }
+
+    /// What was reached at `position`, of the paper's gains by their names.
+    pub fn at_bounds(reached: &[Reached], position: &[f64]) -> Vec<AtBound> {
+        let told = |r: &Reached| {
+            let (name, value) = (NAMES.get(r.coordinate)?, position.get(r.coordinate)?);
+            Some(AtBound { name: (*name).to_owned(), value: *value, side: r.side, bound: r.bound })
+        };
+        reached.iter().filter_map(told).collect()
     }
 
     /// The cost of one controller, all the way.

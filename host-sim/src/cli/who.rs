@@ -76,3 +76,22 @@ pub(super) fn all(asked: &[String], folder: &Path, named: &NamedRig) -> Outcome<
     let others = others.iter().filter(|name| *name != "ours").map(String::as_str);
     std::iter::once("ours").chain(others).map(|name| one(name, folder, named)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use twinrotor::plant::presets;
+
+    /// Without a folder of tuned gains a name is its design, and says so; the paper's has no other.
+    #[test]
+    fn what_has_no_tuned_gains_flies_as_designed_and_says_so() {
+        let paper = NamedRig { name: "paper".to_owned(), rig: presets::PAPER };
+        let shown = |folder: &str| {
+            let shown = |name| one(name, Path::new(folder), &paper).map(|(shown, _)| shown);
+            ["lqi-plus", "ours", "paper"].map(|name| shown(name).unwrap_or_else(|_| panic!("{name}")))
+        };
+        assert_eq!(shown("no such folder"), ["lqi-plus (untuned)", "ours (untuned)", "paper"]);
+        let tuned = concat!(env!("CARGO_MANIFEST_DIR"), "/../gains");
+        assert_eq!(shown(tuned), ["lqi-plus", "ours", "paper"]);
+    }
+}

@@ -38,8 +38,9 @@ fn p_can_be_held_against_any_controller() {
 }
 
 /// The flag that is named is the one that was typed, and a name that is none is told what is.
+/// (What both take is in `matrices`, and in `src/cli/who.rs`.)
 #[test]
-fn controllers_are_named_alike_in_compare_and_reproduce() {
+fn an_unknown_controller_is_told_alike_by_compare_and_reproduce() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let missing = "--controllers is 'missing.toml'; allowed: 'paper' (Table 4) or the path of a gains file";
@@ -55,20 +56,6 @@ fn controllers_are_named_alike_in_compare_and_reproduce() {
             (&reproduce("lqj"), nobody),
         ],
     );
-    let gains = gains();
-    let report = json(at, &[&reproduce("lqi-plus,ours,paper")[..], &["--gains", &gains, "--json"]].concat());
-    let page = fs::read_to_string(at.join("report/index.html")).unwrap();
-    assert!(page.contains("--controllers lqi-plus,ours,paper"));
-    let rows = |report: &serde_json::Value| {
-        let sections = report["sections"].as_array().unwrap();
-        let measured = sections.iter().flat_map(|s| s["measured"].as_array().unwrap());
-        let table = measured.filter(|grid| grid["name"] == "table-6");
-        table.flat_map(|grid| grid["rows"].as_array().unwrap()).map(|row| row[0].clone()).collect::<Vec<_>>()
-    };
-    assert_eq!(rows(&report)[5..], ["lqi-plus", "ours", "paper"]);
-    // Without the folder of tuned gains a name is its design, and says so.
-    let report = json(at, &[&reproduce("lqi-plus")[..], &["--json"]].concat());
-    assert_eq!(rows(&report)[5..], ["lqi-plus (untuned)"]);
 }
 
 /// A search that its box has held back says which number is at which bound, wherever it is told.

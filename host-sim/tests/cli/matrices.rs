@@ -35,22 +35,26 @@ fn it_flies_in_simulate_compare_and_reproduce() {
     assert_eq!(flown["gains"]["state-space"]["A"].as_array().map(Vec::len), Some(8));
 
     let compare = ["compare", "--preset", "aero2", "--plants", "20", "--controllers", "lqg.toml", "--json"];
-    let rows =
-        json(at, &[&compare[..], &["--gains", concat!(env!("CARGO_MANIFEST_DIR"), "/../gains")]].concat());
+    let gains = ["--gains", concat!(env!("CARGO_MANIFEST_DIR"), "/../gains")];
+    let rows = json(at, &[&compare[..], &gains].concat());
     let row = &rows["controllers"][1];
     assert_eq!((row["name"].as_str(), row["failures"].as_u64()), (Some("lqg.toml"), Some(0)), "{row}");
     assert_eq!(row["uses"][0], "matrices of 8 states");
 
     fs::write(at.join("papers.toml"), PAPERS).unwrap();
     let (plain, without) = reproduced();
-    let mine =
-        ["reproduce", "--quick", "--seed", LAST_SEED, "--controllers", "papers.toml", "--out", "report"];
-    let output = host_sim(at, &mine);
+    let names = "papers.toml,lqi-plus,ours,paper";
+    let mine = ["reproduce", "--quick", "--seed", LAST_SEED, "--controllers", names, "--out", "report"];
+    let output = host_sim(at, &[&mine[..], &gains].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let read = |name: &str| fs::read_to_string(at.join("report").join(name)).unwrap();
     let table = read("table-6.csv");
-    let row = table.lines().find(|line| line.contains("papers.toml")).unwrap_or_else(|| panic!("{table}"));
-    assert!(row.contains("yours, in no verdict"), "{row}");
+    let own: Vec<&str> = table.lines().filter(|line| line.contains("yours, in no verdict")).collect();
+    assert_eq!(own.len(), 4, "{table}");
+    for (row, name) in own.iter().zip(names.split(',')) {
+        assert!(row.starts_with(&format!("\"{name}\",")), "{row}");
+    }
+    assert!(read("index.html").contains(&format!("--controllers {names}")));
     let with: Value = serde_json::from_str(&read("report.json")).unwrap();
     assert_eq!(with["summary"], without["summary"], "a row of one's own changes no verdict");
     // Nor a byte of any other table or figure, all of which come from one seed in both runs.

@@ -38,6 +38,8 @@ struct Tally {
     counted: usize,
     feasible: usize,
     missed: usize,
+    /// Largest error of a feasible one, as a share of its amplitude.
+    error: f64,
 }
 
 impl Tally {
@@ -49,6 +51,7 @@ impl Tally {
             counted: self.counted + other.counted,
             feasible: self.feasible + other.feasible,
             missed: self.missed + other.missed,
+            error: self.error.max(other.error),
         }
     }
 
@@ -78,17 +81,24 @@ impl Tally {
         };
         let able: Vec<&After> =
             plants.iter().zip(flown).filter(|(plant, _)| feasible(plant)).map(|(_, after)| after).collect();
-        let missed = |after: &&&After| {
+        let share = |after: &&After| {
             let share = after.error.zip(scene.amplitude_deg, |error, most| error / most);
-            !(share.pitch <= FEASIBLE_ERROR && share.yaw <= FEASIBLE_ERROR)
+            // A NaN is the worst of all.
+            if share.pitch.is_nan() || share.yaw.is_nan() {
+                f64::INFINITY
+            } else {
+                share.pitch.max(share.yaw)
+            }
         };
+        let shares: Vec<f64> = able.iter().map(share).collect();
         Self {
             flights: flown.len(),
             left: flown.iter().filter(left).count(),
             cycles: swinging.len(),
             counted: finer.iter().filter(|after| within(after, 0.5)).count(),
             feasible: able.len(),
-            missed: able.iter().filter(missed).count(),
+            missed: shares.iter().filter(|share| **share > FEASIBLE_ERROR).count(),
+            error: shares.into_iter().fold(0.0, f64::max),
         }
     }
 }
@@ -111,7 +121,7 @@ fn no_reference_tumbles_a_rig() {
     };
     println!(
         "preset: flights, left the envelope, swing afterwards, of these by the count, feasible, of these \
-         with over 15 % of error"
+         with over 15 % of error, largest error"
     );
     for (name, rig) in presets::ALL {
         // `paper-fixed`, which has no thermal limit, flies when it is asked for (docs/rig-law.md).
@@ -131,10 +141,25 @@ fn no_reference_tumbles_a_rig() {
                 tally
             })
             .reduce(Tally::default, Tally::plus);
-        let Tally { flights, left, cycles, counted, feasible, missed } = all;
-        println!("{name}: {flights}, {left}, {cycles}, {counted}, {feasible}, {missed}");
+        let Tally { flights, left, cycles, counted, feasible, missed, error } = all;
+        println!("{name}: {flights}, {left}, {cycles}, {counted}, {feasible}, {missed}, {error:.3}");
         if minutes.is_none() {
             assert_eq!((left, cycles), (0, 0), "{name}");
         }
+    }
+}
+
+/// On drawn plants what is fed forward is wrong by what their thrust, inertia and lag are off: of these 64
+/// flights 23 had an error of over 15 % of the amplitude, before what is fed forward was learned in flight.
+#[test]
+fn a_quick_sine_is_followed_on_every_plant() {
+    let (name, rig) = presets::ALL.into_iter().find(|(name, _)| *name == "paper").expect("the paper's rig");
+    let tuned = defaults::named(name).expect("a controller for every preset");
+    let settings = Settings::new(&rig, tuned, SAMPLE_TIME).map(f32::from_f64);
+    let plants = plants(&rig, 31);
+    for against in [false, true] {
+        let tally = Tally::of(&rig, &settings, &scenes::quick(against), &plants);
+        println!("{tally:?}");
+        assert_eq!((tally.left, tally.feasible, tally.missed), (0, plants.len(), 0));
     }
 }

@@ -87,3 +87,15 @@ pub(crate) fn some() -> Vec<Scene> {
         of(Wave::Sine, 5.0, 10.0, 0.3, true),
     ]
 }
+
+/// The quickest of those that `paper` could follow, for as long as an error is looked at.
+pub(crate) fn quick(against: bool) -> Scene {
+    Scene {
+        wave: Wave::Sine,
+        amplitude_deg: PerAxis::new(5.0, 10.0),
+        hertz: 1.0,
+        against,
+        hot: false,
+        seconds: 40.0,
+    }
+}

@@ -17,9 +17,10 @@ from ._identify import Constant, Fit, Identified, identify
 from ._linear import Linear, linearize
 from ._margins import Margins, margins
 from ._replay import Replay, replay
-from ._search import Comparison, Tuned, compare, draw, tune, tune_robust
+from ._search import AtBound, Comparison, Tuned, compare, draw, tune, tune_robust
 
 __all__ = [
+    "AtBound",
     "Batch",
     "Bench",
     "Comparison",

@@ -19,23 +19,36 @@ Progress = Callable[[int, int, float], object]
 
 
 @dataclass(frozen=True)
+class AtBound:
+    """A parameter that a search has left at an end of its box: what is beyond, no search has seen."""
+
+    name: str
+    value: float
+    side: Literal["least", "most"]
+    bound: float
+
+
+@dataclass(frozen=True)
 class Tuned:
     """What a search has found.
 
-    ``history`` has evaluations and cost at every improvement.
+    ``history`` has evaluations and cost at every improvement; ``at_bounds`` what it has left at a bound of
+    its box, or of its last round's.
     """
 
     gains: Gains
     cost: float
     evaluations: int
     history: list[tuple[int, float]] = field(repr=False)
+    at_bounds: list[AtBound] = field(repr=False)
 
 
 def tuned(found: tuple[str, str]) -> Tuned:
     toml, text = found
     course = json.loads(text)
     history = [(int(n), float(cost)) for n, cost in course["history"]]
-    return Tuned(Gains(toml), course["cost"], course["evaluations"], history)
+    at_bounds = [AtBound(**end) for end in course["at_bounds"]]
+    return Tuned(Gains(toml), course["cost"], course["evaluations"], history, at_bounds)
 
 
 def tune(

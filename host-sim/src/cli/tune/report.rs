@@ -13,7 +13,7 @@ use twinrotor_sim::flight::{Fidelity, Flight};
 use twinrotor_sim::gains_file::GainsFile;
 use twinrotor_sim::metrics::Criterion;
 use twinrotor_sim::scenario::SAMPLE_TIME;
-use twinrotor_tune::optimise::Reached;
+use twinrotor_tune::integral::Objective;
 use twinrotor_tune::search::{Effort, Search};
 use twinrotor_tune::tunable::AtBound;
 
@@ -185,12 +185,7 @@ fn flight_rows(table: &mut tables::Table, flown: &[Flight; 2]) {
 
 /// The gains that the search has left at a bound of its box.
 fn at_bounds(search: &Search) -> Vec<AtBound> {
-    let value = |k: usize| search.best().and_then(|best| best.position.get(k).copied());
-    let told = |r: Reached| {
-        let (name, value) = (NAMES.get(r.coordinate)?, value(r.coordinate)?);
-        Some(AtBound { name: (*name).to_owned(), value, side: r.side, bound: r.bound })
-    };
-    search.reached().into_iter().filter_map(told).collect()
+    search.best().map_or_else(Vec::new, |best| Objective::at_bounds(&search.reached(), &best.position))
 }
 
 fn bound_warnings(search: &Search) -> String {

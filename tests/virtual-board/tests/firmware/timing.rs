@@ -1,9 +1,13 @@
 //! The tick's rate, its instructions and the stack, compared with the figures kept for each compiler.
 
+use twinrotor::axes::PerAxis;
+use twinrotor::link::ToBoard;
+use twinrotor::reference::Reference;
 use virtual_board::figures::{Figures, InFlight};
 use virtual_board::in_c;
 use virtual_board::machine::MILLISECOND;
 use virtual_board::profile::{self, Profile, Source};
+use virtual_board::record;
 use virtual_board::wiring::TICK;
 
 use super::{both, firmware, flying, flying_with};
@@ -28,6 +32,30 @@ fn size_instructions_and_stack_are_within_the_budget_and_have_not_grown() {
     println!("{measured}");
     measured.within_budget().unwrap_or_else(|why| panic!("{why}"));
     measured.compare(&firmware()).unwrap_or_else(|why| panic!("{why}"));
+}
+
+/// \[instructions\] Of the 168,000 there are.
+const MOVING: u64 = 1_700;
+
+/// The operator's goal brings a rate and an acceleration; the figures above are of one that stands.
+#[test]
+fn a_goal_that_moves_takes_little_more() {
+    let (rig, parameters) = record::tuned(record::BUILT_IN);
+    let mut station = flying_with(&rig, &parameters);
+    let medians = [0.0, 0.1].map(|rate| {
+        let angle = PerAxis::new(0.1, 0.2);
+        let (rate, accel) = (PerAxis::both(rate), PerAxis::both(-2.0 * rate));
+        station.send(&ToBoard::Setpoint(Reference { angle, rate, accel }));
+        station.run(20);
+        let before = station.machine.with(|board| board.ticks().len());
+        station.run(200);
+        let ticks = station.machine.with(move |board| board.ticks()[before..].to_vec());
+        let mut counts: Vec<u64> = ticks.iter().map(|tick| tick.instructions).collect();
+        counts.sort_unstable();
+        counts[counts.len() / 2]
+    });
+    println!("a tick takes {} instructions by the median, with a goal that moves {}", medians[0], medians[1]);
+    assert!(medians[0] < medians[1] && medians[1] <= MOVING, "{medians:?}");
 }
 
 #[test]
