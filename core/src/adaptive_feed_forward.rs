@@ -46,10 +46,12 @@ pub struct AdaptiveFeedForward<R> {
     given: R,
     /// \[1/s\] ω.
     bandwidth: PerAxis<R>,
+    /// \[1/s\] ω/2.
+    weight: PerAxis<R>,
     /// \[rad²/s⁴\] φ₀².
     floor: PerAxis<R>,
-    /// \[-\] The sample time in T.
-    pace: R,
+    /// \[-\] Of a tick, ω times the sample time in T.
+    pace: PerAxis<R>,
 }
 
 impl<R: Real> AdaptiveFeedForward<R> {
@@ -62,8 +64,9 @@ impl<R: Real> AdaptiveFeedForward<R> {
             of_rate: PerAxis::zero(),
             given: R::one(),
             bandwidth: filter.bandwidth,
+            weight: filter.bandwidth.scaled(R::from_f64(RATE_WEIGHT)),
             floor: floor.zip(floor, |a, b| a * b),
-            pace: sample_time * R::from_f64(1.0 / LEARNING),
+            pace: filter.bandwidth.scaled(sample_time * R::from_f64(1.0 / LEARNING)),
         }
     }
 
@@ -94,11 +97,9 @@ impl<R: Real> AdaptiveFeedForward<R> {
     ) -> PerAxis<R> {
         let error = reference.angle.minus(state.angle);
         let error = reference.rate.minus(state.rate).plus(self.bandwidth.zip(error, |w, e| w * e));
-        let weight = self.bandwidth.scaled(R::from_f64(RATE_WEIGHT));
-        let rate = weight.zip(wanted.rate, |weight, rate| weight * rate);
+        let rate = self.weight.zip(wanted.rate, |weight, rate| weight * rate);
         let size = wanted.accel.zip(rate, |a, r| a * a + r * r).plus(self.floor);
-        let pace = self.bandwidth.scaled(self.pace);
-        let step = pace.scaled(self.given).zip(error, |pace, e| pace * e).zip(size, |s, size| s / size);
+        let step = self.pace.scaled(self.given).zip(error, |pace, e| pace * e).zip(size, |s, size| s / size);
         let step = step.zip(in_full, |step, full| R::select(full, step, R::zero()));
         let learn = |share: PerAxis<R>, of: PerAxis<R>| {
             let most = R::from_f64(MOST);

@@ -79,8 +79,8 @@ impl<'a> Given<'a> {
     /// words do not say what they should.
     #[inline(always)]
     fn start(&self, number: u32) -> Option<Start<'a>> {
-        let settings = self.controller(number)?;
-        let common = words::read(self.common).ok()?;
+        let common: Common = words::read(self.common).ok()?;
+        let settings = common.belief.within(self.controller(number)?)?;
         let (plant, disturbance, phase) = self.plant(number, State::at_rest(PerAxis::zero()));
         let course = Changes::new(self.course);
         Some(Start { settings, plant, disturbance, phase, common, course })

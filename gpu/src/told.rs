@@ -1,8 +1,12 @@
 //! What flights of the robust objective are told: what all of a launch have in common, and its course.
 
 use serde::{Deserialize, Serialize};
-use twinrotor::axes::PerAxis;
+use twinrotor::SAMPLE_TIME;
+use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::{Hardware, Wear};
+use twinrotor::pipeline::Settings;
+use twinrotor::plant::Effectiveness;
+use twinrotor::real::Real as _;
 use twinrotor::reference::Reference;
 use twinrotor_sim::closed_loop::Fittings;
 use twinrotor_sim::judged::{Bounds, Course};
@@ -14,6 +18,32 @@ pub struct Common {
     pub bounds: Bounds,
     /// Sensors and amplifiers, none of them worn.
     pub instruments: Instruments,
+    /// Of what every controller believes of the rig, what is used as it is.
+    pub belief: Belief,
+}
+
+/// A part of [`Settings`] that controllers on one rig have alike.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Belief {
+    effectiveness: Effectiveness<f32>,
+    volts_limit: PerMotor<f32>,
+}
+
+impl Belief {
+    /// What these settings say.
+    pub fn of(settings: &Settings<f32>) -> Self {
+        Self { effectiveness: settings.effectiveness, volts_limit: settings.volts_limit }
+    }
+
+    /// The same settings, if they say so and have the board's sample time: all that is made of these numbers
+    /// then needs no register, or fewer.
+    #[inline(always)]
+    pub(crate) fn within(self, settings: Settings<f32>) -> Option<Settings<f32>> {
+        let sample_time = f32::from_f64(SAMPLE_TIME);
+        let Self { effectiveness, volts_limit } = self;
+        let same = settings.sample_time == sample_time && Self::of(&settings) == self;
+        same.then_some(Settings { sample_time, effectiveness, volts_limit, ..settings })
+    }
 }
 
 /// What a closed loop has of hardware that is not worn, in the numbers that it reckons with.

@@ -4,7 +4,7 @@ use super::card::unsaid;
 use super::driver::Fault;
 use super::written;
 use crate::integral::{self, INSTANT};
-use crate::told::{CHANGE, COMMON, Common, Instruments};
+use crate::told::{Belief, CHANGE, COMMON, Common, Instruments};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::vec::Vec;
@@ -30,10 +30,16 @@ pub(super) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub(super) fn of_batch(batch: &Batch<'a>) -> Result<Self, Fault> {
+        let belief = batch.controllers.first().map(Belief::of);
+        let belief = belief.ok_or_else(|| unsaid("there is no controller"))?;
+        if batch.controllers.iter().any(|settings| Belief::of(settings) != belief) {
+            return Err(unsaid("controllers believe in different rigs"));
+        }
         Ok(Self {
             common: filled(&Common {
                 bounds: batch.rules.bounds(),
                 instruments: Instruments::new(&batch.hardware),
+                belief,
             })?,
             course: course_words(batch),
             controllers: batch.controllers.iter().map(written).collect::<Result<_, _>>().map_err(unsaid)?,
