@@ -197,8 +197,16 @@ impl<R: Real> Governor<R> {
             R::select(R::zero().lt(motion), opened, R::from_f64(BEGIN))
         });
         let share = self.open.scaled(leave.motion);
+        #[cfg(target_arch = "nvptx64")]
+        let at_rest = crate::real::Mask::all((motion.pitch + motion.yaw).le(R::zero()));
         let most = |limit: PerAxis<R>, now: PerAxis<R>| {
-            limit.zip(share, |limit, share| limit * share).zip(now, |limit, now| limit / now.abs())
+            limit.zip(share, |limit, share| limit * share).zip(now, |limit, now| {
+                #[cfg(target_arch = "nvptx64")]
+                if at_rest {
+                    return over_zero(limit);
+                }
+                limit / now.abs()
+            })
         };
         let rate = most(self.rate, wanted.rate);
         let accel = most(self.accel, wanted.accel);
@@ -239,6 +247,14 @@ impl<R: Real> Governor<R> {
         self.follow = R::select(lost, slowed, (self.follow + self.recovery).min(R::one()));
         Reference { angle: reference.angle.plus(beyond), ..*reference }
     }
+}
+
+/// x/0, to the bit. A GPU divides by most numbers in ten instructions, but by 0 in a subroutine of some 40;
+/// and most setpoints are at rest.
+#[cfg(any(target_arch = "nvptx64", test))]
+#[inline(always)]
+fn over_zero<R: Real>(x: R) -> R {
+    x * R::from_f64(f64::INFINITY)
 }
 
 /// \[rad/s²\] What each axis can be accelerated by alone, either way, from a level pose that is held.
@@ -290,6 +306,15 @@ mod tests {
                 assert_eq!(governor.within(&wanted, wanted.angle, &leave), wanted);
                 assert_eq!(governor.reach(&leave), 1.0);
             }
+        }
+    }
+
+    #[test]
+    fn times_infinity_is_by_zero_to_the_bit() {
+        let numbers = (0..=u32::MAX).step_by(65_521).map(f32::from_bits);
+        for x in numbers.chain([0.0, -0.0, f32::INFINITY, f32::MIN_POSITIVE, f32::from_bits(1), f32::NAN]) {
+            let (there, here) = (over_zero(x), x / 0.0);
+            assert!(there.to_bits() == here.to_bits() || there.is_nan() && here.is_nan(), "{x:e}");
         }
     }
 

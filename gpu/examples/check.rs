@@ -16,7 +16,7 @@ use twinrotor::real::Real as _;
 use twinrotor::reference::Reference;
 use twinrotor::{SAMPLE_TIME, defaults, gains};
 use twinrotor_gpu::host::Card;
-use twinrotor_gpu::host::cuda::Cuda;
+use twinrotor_gpu::host::cuda::{Cuda, Needs};
 use twinrotor_gpu::host::driver::Fault;
 use twinrotor_gpu::host::stand_in::StandIn;
 use twinrotor_sim::device::{Batch, Change, Device};
@@ -34,6 +34,8 @@ use twinrotor_tune::search::Problem as _;
 /// Plants whose every tick is compared, and those that fly every scene.
 const PLANTS: usize = 10_000;
 const SCENE_PLANTS: usize = 200;
+/// The kernels.
+const KERNELS: [&str; 5] = ["robust_usual", "robust_any", "robust_trace", "integral_ideal", "integral_rig"];
 /// As many flights as a launch has at most.
 const MANY: usize = 1_000_000;
 
@@ -45,6 +47,7 @@ fn main() {
     }
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     println!("{}; beside it {cores} cores ({})\n", card.name(), twinrotor_sim::lanes::instruction_set());
+    needs(&card);
     bits(&card);
     speed(&card);
 }
@@ -104,6 +107,18 @@ fn candidates(count: usize) -> Vec<Candidate> {
 fn controllers(name: &str, rig: &Rig) -> Vec<ControllerSettings<f64>> {
     let ours = defaults::named(name).expect("every preset has one");
     CATALOGUE.iter().map(|(_, design)| design(rig)).chain([ours]).collect()
+}
+
+/// What each kernel takes of this card, as this driver has translated it.
+fn needs(card: &Card<Cuda>) {
+    println!("| kernel | registers | local memory, bytes | shared memory of a block | warps at a time |");
+    println!("|---|---|---|---|---|");
+    for kernel in KERNELS {
+        let needs = card.driver().needs(kernel).expect("the kernels are there");
+        let Needs { registers, local, shared, warps } = needs;
+        println!("| {kernel} | {registers} | {local} | {shared} | {warps} |");
+    }
+    println!();
 }
 
 fn bits(card: &Arc<Card<Cuda>>) {

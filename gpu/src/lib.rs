@@ -2,7 +2,7 @@
 //! board and in the tuner's lanes, so the same bits; nothing is computed here.
 
 #![no_std]
-#![cfg_attr(target_arch = "nvptx64", feature(abi_ptx, stdarch_nvptx))]
+#![cfg_attr(target_arch = "nvptx64", feature(abi_ptx, stdarch_nvptx, asm_experimental_arch))]
 
 #[cfg(feature = "host")]
 extern crate std;
@@ -13,4 +13,10 @@ pub mod integral;
 #[cfg(target_arch = "nvptx64")]
 mod ptx;
 pub mod robust;
+#[cfg(target_arch = "nvptx64")]
+mod shared;
+pub mod told;
 pub mod words;
+
+/// Threads in a block. Each has up to 255 registers, and a multiprocessor 65,536: two blocks.
+pub const BLOCK: u32 = 128;

@@ -4,6 +4,8 @@
 
 use crate::integral::{self, INTEGRATED};
 use crate::robust::{FLOWN, Given, TRACE, flight, to_words, trace, usual};
+use crate::shared::Kept;
+use crate::told::COMMON;
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x, trap};
 use core::slice;
 
@@ -19,6 +21,13 @@ fn number() -> u32 {
     unsafe { _block_idx_x() * _block_dim_x() + _thread_idx_x() }
 }
 
+/// What all flights have in common: not where it stands, but it itself. What a launch is called with is at
+/// hand for every instruction and needs no register.
+#[repr(C)]
+struct Common {
+    words: [u32; COMMON],
+}
+
 /// Thread k flies flight k of `flights`; what comes of it goes to the k-th piece of `out`.
 macro_rules! kernels {
     ($($name:ident: $words:expr, $fly:expr;)+) => {$(
@@ -27,8 +36,7 @@ macro_rules! kernels {
         /// ones for each flight as come of it.
         #[unsafe(no_mangle)]
         unsafe extern "ptx-kernel" fn $name(
-            common: *const u32,
-            common_words: u32,
+            common: Common,
             settings: *const u32,
             settings_words: u32,
             each: u32,
@@ -47,7 +55,7 @@ macro_rules! kernels {
             // SAFETY: as the caller promises.
             let given = unsafe {
                 Given {
-                    common: slice::from_raw_parts(common, common_words as usize),
+                    common: &common.words,
                     settings: slice::from_raw_parts(settings, settings_words as usize),
                     each,
                     plants: slice::from_raw_parts(plants, plants_words as usize),
@@ -69,8 +77,8 @@ macro_rules! kernels {
 }
 
 kernels! {
-    robust_any: FLOWN, |given, k| flight(given, k, Some).as_ref().map(to_words);
-    robust_usual: FLOWN, |given, k| flight(given, k, usual).as_ref().map(to_words);
+    robust_any: FLOWN, |given, k| flight(given, k, Some, Kept::new).as_ref().map(to_words);
+    robust_usual: FLOWN, |given, k| flight(given, k, usual, Kept::new).as_ref().map(to_words);
     robust_trace: TRACE, trace;
     integral_ideal: INTEGRATED, integral::ideal;
     integral_rig: INTEGRATED, integral::rig;

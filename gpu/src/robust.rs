@@ -1,75 +1,27 @@
 //! One flight of the robust objective, as one thread flies it: numbers out of memory, the closed loop of
 //! `twinrotor-sim`, sums into memory.
 
+#[cfg(doc)]
+use crate::told::CHANGE;
+use crate::told::{Changes, Common};
 use crate::words;
-use serde::{Deserialize, Serialize};
+use core::borrow::BorrowMut;
+use serde::Deserialize;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::allocation::AllocationSettings;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Hardware, Wear};
 use twinrotor::controller::ControllerSettings;
 use twinrotor::estimator::EstimatorSettings;
 use twinrotor::law::LawSettings;
+use twinrotor::monitor::Motion;
 use twinrotor::pipeline::Settings;
-use twinrotor::plant::presets::{Envelope, PAPER};
+use twinrotor::plant::presets::PAPER;
 use twinrotor::plant::{LaggedRotors, PlantParameters, RealPlant, State, Thrust as _};
-use twinrotor::reference::Reference;
 use twinrotor::supervisor::Condition;
 use twinrotor_sim::closed_loop::{RigLoop, Tick};
 use twinrotor_sim::guard::Guard;
-use twinrotor_sim::judged::{Course, Ended, Flown, Rules, fly};
+use twinrotor_sim::judged::{Ended, Flown, fly};
 use twinrotor_sim::metrics::Settling;
-
-/// What all flights of a launch have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Common {
-    /// \[rad\] Where to.
-    pub goal: PerAxis<f64>,
-    /// Where the rig may be.
-    pub envelope: Envelope,
-    /// \[ticks\] From here on errors are summed as those after a disturbance.
-    pub disturbance: u32,
-    /// The first tick after the flight.
-    pub end: u32,
-    /// With hot motors from the second tick on.
-    pub hot: bool,
-    /// Counts a revolution, as they are and as the controller has them.
-    pub encoder_counts: PerAxis<u32>,
-    /// The same, as the controller has them.
-    pub believed_counts: PerAxis<u32>,
-    /// Compare steps between zero and full voltage.
-    pub pwm_steps: u32,
-    /// \[V\] Supply of the amplifiers.
-    pub supply: f64,
-}
-
-impl Common {
-    /// Of flights that are judged by `rules`, with `hardware` that is not worn.
-    pub fn new(rules: &Rules, hardware: &Hardware) -> Self {
-        let Rules { goal, envelope, disturbance, end, hot } = *rules;
-        let Hardware { encoder_counts, believed_counts, pwm_steps, supply, .. } = *hardware;
-        Self { goal, envelope, disturbance, end, hot, encoder_counts, believed_counts, pwm_steps, supply }
-    }
-
-    #[inline(always)]
-    fn rules(&self) -> Rules {
-        let Self { goal, envelope, disturbance, end, hot, .. } = *self;
-        Rules { goal, envelope, disturbance, end, hot }
-    }
-
-    /// Nothing of it is worn.
-    #[inline(always)]
-    fn hardware(&self, encoder_phase: PerAxis<f64>) -> Hardware {
-        Hardware {
-            encoder_counts: self.encoder_counts,
-            encoder_phase,
-            pwm_steps: self.pwm_steps,
-            supply: self.supply,
-            believed_counts: self.believed_counts,
-            wear: Wear::default(),
-        }
-    }
-}
 
 /// What a launch reads.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +36,7 @@ pub struct Given<'a> {
     pub plants: &'a [u32],
     /// How many plants there are.
     pub count: u32,
-    /// The course by its changes, [`CHANGE`] words each, in the order of their ticks.
+    /// The course by its changes, [`CHANGE`] words each, in the order of their ticks, the first in tick 0.
     pub course: &'a [u32],
 }
 
@@ -127,10 +79,10 @@ impl<'a> Given<'a> {
     /// words do not say what they should.
     #[inline(always)]
     fn start(&self, number: u32) -> Option<Start<'a>> {
-        let settings = self.controller(number)?;
-        let common = words::read(self.common).ok()?;
+        let common: Common = words::read(self.common).ok()?;
+        let settings = common.belief.within(self.controller(number)?)?;
         let (plant, disturbance, phase) = self.plant(number, State::at_rest(PerAxis::zero()));
-        let course = Changes { words: self.course, next: 0, at: first_tick(self.course), push: None };
+        let course = Changes::new(self.course);
         Some(Start { settings, plant, disturbance, phase, common, course })
     }
 
@@ -167,23 +119,23 @@ impl<'a> Given<'a> {
 /// Flies the flight of this number. `narrow` gives the controller back, of fewer kinds than there are. `None`
 /// where it does not, or the words do not say what they should.
 #[inline(always)]
-pub fn flight(
+pub fn flight<M: BorrowMut<Motion<f32>>>(
     given: &Given<'_>,
     number: u32,
     narrow: impl Fn(Settings<f32>) -> Option<Settings<f32>>,
+    keep: impl FnOnce(Motion<f32>) -> M,
 ) -> Option<Flown> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
     let settings = narrow(settings)?;
-    let hardware = common.hardware(PerAxis::both(0.5));
-    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
-    let guard = Guard::new(&settings, &hardware);
+    let closed_loop = RigLoop::assemble(plant, &common.instruments, phase, &settings);
+    let guard = Guard::new(&settings, &common.instruments).keeping(keep);
     let limit = settings.volts_limit;
     let sums = fly(
         closed_loop,
         guard,
         limit,
         disturbance,
-        &common.rules(),
+        &common.bounds,
         course,
         #[inline(always)]
         |_, _| true,
@@ -199,9 +151,8 @@ pub const TRACE: usize = 2;
 #[inline(always)]
 pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
     let Start { settings, plant, disturbance, phase, common, course } = given.start(number)?;
-    let hardware = common.hardware(PerAxis::both(0.5));
-    let closed_loop = RigLoop::assemble(plant, &hardware, phase, &settings);
-    let guard = Guard::new(&settings, &hardware);
+    let closed_loop = RigLoop::assemble(plant, &common.instruments, phase, &settings);
+    let guard = Guard::new(&settings, &common.instruments);
     let limit = settings.volts_limit;
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     fly(
@@ -209,7 +160,7 @@ pub fn trace(given: &Given<'_>, number: u32) -> Option<[u32; TRACE]> {
         guard,
         limit,
         disturbance,
-        &common.rules(),
+        &common.bounds,
         course,
         #[inline(always)]
         |_, tick: &Tick<f32>| {
@@ -238,50 +189,6 @@ fn ended_words(ended: Option<Ended>) -> [u32; CUT] {
 fn ended([tick, condition]: [u32; CUT]) -> Option<Ended> {
     let condition = *Condition::ALL.get(condition as usize)?;
     Some(Ended { tick, condition })
-}
-
-/// Words of a change of a course: the tick; 1 where something else is asked for from then on, plus 2 where
-/// something pushes; angle, rate and acceleration asked for, pitch and yaw each; the push.
-pub const CHANGE: usize = 9;
-
-/// A course by its changes, in the order of their ticks.
-#[derive(Debug)]
-struct Changes<'a> {
-    words: &'a [u32],
-    /// The change to come, and its tick.
-    next: usize,
-    at: u32,
-    push: Option<f32>,
-}
-
-#[inline(always)]
-fn first_tick(words: &[u32]) -> u32 {
-    words.first().copied().unwrap_or(u32::MAX)
-}
-
-impl Course for Changes<'_> {
-    #[inline(always)]
-    fn asked(&mut self, tick: u32) -> Option<Reference<f32>> {
-        if tick != self.at {
-            return None;
-        }
-        let here = self.words.get(self.next..)?;
-        self.next += CHANGE;
-        self.at = here.get(CHANGE).copied().unwrap_or(u32::MAX);
-        let flags = here.get(1).copied().unwrap_or(0);
-        let number = |k: usize| f32::from_bits(here.get(k).copied().unwrap_or(0));
-        self.push = (flags & 2 != 0).then(|| number(8));
-        (flags & 1 != 0).then(|| Reference {
-            angle: PerAxis::new(number(2), number(3)),
-            rate: PerAxis::new(number(4), number(5)),
-            accel: PerAxis::new(number(6), number(7)),
-        })
-    }
-
-    #[inline(always)]
-    fn push(&mut self, _tick: u32) -> Option<f32> {
-        self.push
-    }
 }
 
 /// Words of a [`Flown`].

@@ -51,6 +51,11 @@ impl Hardware {
     }
 }
 
+/// \[counts/rad\] Of an encoder with that many counts a revolution.
+pub fn counts_per_angle<R: Real>(counts: u32) -> R {
+    R::from_f64(f64::from(counts) / core::f64::consts::TAU)
+}
+
 /// Two ideal encoders: scale, phase and rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Encoders<R> {
@@ -63,11 +68,13 @@ pub struct Encoders<R> {
 impl<R: Real> Encoders<R> {
     /// With these counts a revolution, and with a phase \[counts, 0..1\] that may differ from lane to lane.
     pub fn new(counts_per_turn: PerAxis<u32>, phase: PerAxis<R>) -> Self {
-        let turn = core::f64::consts::TAU;
-        Self {
-            counts_per_angle: counts_per_turn.map(|c| R::from_f64(f64::from(c) / turn)),
-            phase: phase.map(|p| p - R::from_f64(0.5)),
-        }
+        Self::scaled(counts_per_turn.map(counts_per_angle), phase)
+    }
+
+    /// The same with its scale \[counts/rad\] at hand.
+    #[inline(always)]
+    pub fn scaled(counts_per_angle: PerAxis<R>, phase: PerAxis<R>) -> Self {
+        Self { counts_per_angle, phase: phase.map(|p| p - R::from_f64(0.5)) }
     }
 
     /// Whole counts from zero at true angles \[rad\].

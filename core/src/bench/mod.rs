@@ -11,7 +11,7 @@ mod injection;
 mod simulated_rig;
 mod wear;
 
-pub use encoders::{Encoders, Hardware};
+pub use encoders::{Encoders, Hardware, counts_per_angle};
 pub use faults::Faults;
 pub use injection::Injection;
 pub use simulated_rig::SimulatedRig;

@@ -6,6 +6,7 @@ use crate::axes::{PerAxis, PerMotor};
 use crate::parameters::{EncoderScale, Limits};
 use crate::pipeline::Settings;
 use crate::real::{Count, Mask, Real};
+use core::borrow::BorrowMut;
 
 /// How many times the largest rate an encoder may show in one tick.
 pub const JUMP_MARGIN: f32 = 2.0;
@@ -46,10 +47,11 @@ pub struct Wrong<M> {
     pub finite: M,
 }
 
-/// The rules, their limits and their memory: what every tick looks at first.
+/// The rules, their limits and their memory: what every tick looks at first. Most of a [`Motion`] only every
+/// [`MOTION_EVERY`]th does, so `M` may be where there is more room: a GPU has few registers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
-pub struct FlightRules<R: Real> {
+pub struct FlightRules<R: Real, M = Motion<R>> {
     /// \[rad\]
     pitch: R,
     /// \[rad/s\]
@@ -57,7 +59,7 @@ pub struct FlightRules<R: Real> {
     /// \[counts\] In a tick.
     jump: PerAxis<R::Count>,
     contradicted: PerAxis<R::Mask>,
-    motion: Motion<R>,
+    motion: M,
 }
 
 impl<R: Real<Scalar = f32>> FlightRules<R> {
@@ -80,9 +82,17 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         }
     }
 
+    /// The same with the motions' comparison where `keep` puts it.
+    pub fn keeping<M>(self, keep: impl FnOnce(Motion<R>) -> M) -> FlightRules<R, M> {
+        let Self { pitch, rate, jump, contradicted, motion } = self;
+        FlightRules { pitch, rate, jump, contradicted, motion: keep(motion) }
+    }
+}
+
+impl<R: Real<Scalar = f32>, M: BorrowMut<Motion<R>>> FlightRules<R, M> {
     /// Arming and the check start afresh, at this pitch \[rad\]: no motion is expected yet.
     pub fn restart(&mut self, pitch: R) {
-        self.motion.restart(pitch);
+        self.motion.borrow_mut().restart(pitch);
         self.contradicted = PerAxis::both(R::Mask::splat(false));
     }
 
@@ -99,7 +109,7 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         // Most ticks of a board move neither; of many lanes one always moves.
         if R::LANES > 1 || moved != PerAxis::both(R::Count::whole(0)) {
             jumped = moved.zip(self.jump, R::Count::exceeds);
-            self.motion.moved(moved);
+            self.motion.borrow_mut().moved(moved);
         }
         let fast = rate.zip(self.rate, |rate, limit| limit.lt(rate.abs()));
         let steep = self.pitch.lt(angle.pitch.abs());
@@ -107,9 +117,9 @@ impl<R: Real<Scalar = f32>> FlightRules<R> {
         let sum = (angle.pitch + angle.yaw) + (rate.pitch + rate.yaw) + (demand.main + demand.tail);
         // In flight alone: the tick that arms is the longest.
         if seen.armed {
-            self.motion.turned(rate.pitch);
+            self.motion.borrow_mut().turned(rate.pitch);
             if seen.tick % MOTION_EVERY == MOTION_EVERY - 1 {
-                self.contradicted = self.motion.disagrees(seen);
+                self.contradicted = self.motion.borrow_mut().disagrees(seen);
             }
         }
         Wrong { jumped, steep, fast, finite: sum.is_finite() }

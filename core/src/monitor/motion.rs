@@ -89,9 +89,9 @@ pub const AGAINST_TICKS: u32 = 100;
 /// \[rad\] How far above its rest pose a rig that rests nose down may still lie on its stop.
 pub const STOP_MARGIN: f32 = 0.05;
 
-/// The comparison's constants and memory.
+/// The comparison's constants and memory; [`FlightRules`](super::FlightRules) looks at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion<R: Real> {
+pub struct Motion<R: Real> {
     body: LinearBody<R>,
     /// Reaction goes with the volts that a rotor has yet to follow.
     rotors: RotorTorque<R>,

@@ -9,7 +9,7 @@ pub use twinrotor::bench::Hardware;
 #[cfg(feature = "std")]
 use crate::scenario::Now;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Encoders, Worn};
+use twinrotor::bench::{Bench, Encoders, Wear, Worn, counts_per_angle};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::{CounterWidth, angle_per_count};
@@ -141,6 +141,44 @@ pub struct RigLoop<R> {
     latched: PerMotor<R>,
 }
 
+/// What a closed loop has of a rig's hardware.
+pub trait Fittings<R> {
+    /// \[counts/rad\] Of the encoders.
+    fn counts_per_angle(&self) -> PerAxis<R>;
+    /// \[rad\] As the controller has it.
+    fn angle_per_count(&self) -> PerAxis<R>;
+    /// Compare steps between zero and full voltage.
+    fn pwm_steps(&self) -> u32;
+    /// \[V\] Supply of the amplifiers.
+    fn supply(&self) -> R;
+    /// What is worn.
+    fn wear(&self) -> Wear;
+}
+
+impl<R: Real> Fittings<R> for Hardware {
+    #[inline(always)]
+    fn counts_per_angle(&self) -> PerAxis<R> {
+        self.encoder_counts.map(counts_per_angle)
+    }
+
+    #[inline(always)]
+    fn angle_per_count(&self) -> PerAxis<R> {
+        self.believed_counts.map(angle_per_count)
+    }
+
+    fn pwm_steps(&self) -> u32 {
+        self.pwm_steps
+    }
+
+    fn supply(&self) -> R {
+        R::from_f64(self.supply)
+    }
+
+    fn wear(&self) -> Wear {
+        self.wear
+    }
+}
+
 impl<R: Real> RigLoop<R> {
     /// `plant` may differ from what `settings` believe.
     pub fn new(plant: RealPlant<R>, hardware: &Hardware, settings: &Settings<R>) -> Self {
@@ -150,23 +188,24 @@ impl<R: Real> RigLoop<R> {
     /// As [`RigLoop::new`], with an encoder phase [counts, 0..1] that may differ from lane to lane.
     pub fn assemble(
         mut plant: RealPlant<R>,
-        hardware: &Hardware,
+        hardware: &impl Fittings<R>,
         encoder_phase: PerAxis<R>,
         settings: &Settings<R>,
     ) -> Self {
-        plant.set_cable(&hardware.wear.cable);
-        let encoders = Encoders::<R>::new(hardware.encoder_counts, encoder_phase);
-        let angle_per_count: PerAxis<R> = hardware.believed_counts.map(angle_per_count);
+        let wear = hardware.wear();
+        plant.set_cable(&wear.cable);
+        let encoders = Encoders::scaled(hardware.counts_per_angle(), encoder_phase);
+        let angle_per_count = hardware.angle_per_count();
         let counts = encoders.counts(plant.state().angle);
         let start = counts.zip(angle_per_count, |c, a| c * a);
-        let supply = R::from_f64(hardware.supply);
+        let supply = hardware.supply();
         Self {
-            worn: Worn::new(&hardware.wear, plant.state().angle),
+            worn: Worn::new(&wear, plant.state().angle),
             plant,
             encoders,
             angle_per_count,
             pipeline: Pipeline::new(settings, start),
-            drive: Drive::new(hardware.pwm_steps),
+            drive: Drive::new(hardware.pwm_steps()),
             sound_supply: supply,
             supply,
             latched: PerMotor::zero(),

@@ -17,12 +17,11 @@
 //! Heat ends no flight: what the motors can take limits their volts
 //! ([`CurrentLimit`](twinrotor::allocation::CurrentLimit)).
 
-use crate::closed_loop::{ARMS, Tick, limits};
+use crate::closed_loop::{ARMS, Fittings, Tick, limits};
 use crate::judged::Ended;
+use core::borrow::BorrowMut;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::Hardware;
-use twinrotor::encoder::angle_per_count;
-use twinrotor::monitor::{FlightRules, Seen, Wrong};
+use twinrotor::monitor::{FlightRules, Motion, Seen, Wrong};
 use twinrotor::parameters::EncoderScale;
 use twinrotor::pipeline::Settings;
 use twinrotor::real::{Mask, Real};
@@ -30,8 +29,8 @@ use twinrotor::supervisor::Condition;
 
 /// Watches flights that begin level, tick by tick.
 #[derive(Debug, Clone, Copy)]
-pub struct Guard<R: Real> {
-    rules: FlightRules<R>,
+pub struct Guard<R: Real, M = Motion<R>> {
+    rules: FlightRules<R, M>,
     /// What the last tick showed, wanted and asked for.
     counts: PerAxis<R>,
     wanted: PerAxis<R>,
@@ -45,12 +44,12 @@ pub struct Guard<R: Real> {
 
 impl<R: Real<Scalar = f32>> Guard<R> {
     /// Of the controllers and the sensors that fly.
-    pub fn new(settings: &Settings<R>, hardware: &Hardware) -> Self {
+    pub fn new(settings: &Settings<R>, hardware: &impl Fittings<f32>) -> Self {
         let encoders = hardware
-            .believed_counts
-            .map(|counts| EncoderScale { angle_per_count: angle_per_count(counts), rest_counts: 0 });
+            .angle_per_count()
+            .map(|angle_per_count| EncoderScale { angle_per_count, rest_counts: 0 });
         Self {
-            rules: FlightRules::new(settings, &encoders, &limits(f32::from_f64(hardware.supply))),
+            rules: FlightRules::new(settings, &encoders, &limits(hardware.supply())),
             counts: PerAxis::zero(),
             wanted: PerAxis::zero(),
             demand: PerMotor::zero(),
@@ -60,6 +59,14 @@ impl<R: Real<Scalar = f32>> Guard<R> {
         }
     }
 
+    /// The same with the motions' comparison, of which most is looked at in few ticks, where `keep` puts it.
+    pub fn keeping<M>(self, keep: impl FnOnce(Motion<R>) -> M) -> Guard<R, M> {
+        let Self { rules, counts, wanted, demand, ended, at, condition } = self;
+        Guard { rules: rules.keeping(keep), counts, wanted, demand, ended, at, condition }
+    }
+}
+
+impl<R: Real<Scalar = f32>, M: BorrowMut<Motion<R>>> Guard<R, M> {
     /// What happened in this tick of the flight; the board arms in the first, 0.
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[cfg_attr(debug_assertions, inline(never))]

@@ -5,7 +5,10 @@
 
 use crate::closed_loop::{ClosedLoop, RigLoop, Tick};
 use crate::guard::Guard;
+use core::borrow::BorrowMut;
+use serde::{Deserialize, Serialize};
 use twinrotor::axes::{PerAxis, PerMotor};
+use twinrotor::monitor::Motion;
 use twinrotor::plant::presets::Envelope;
 use twinrotor::real::{Mask, Real};
 use twinrotor::reference::Reference;
@@ -44,9 +47,45 @@ pub struct Rules {
     pub hot: bool,
 }
 
+/// [`Rules`] as ticks compare with them: the same numbers in every lane, and in every thread of a GPU.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// \[rad\] Where to.
+    goal: PerAxis<f32>,
+    /// 1 for a goal that lies upwards, -1 for one downwards.
+    direction: PerAxis<f32>,
+    /// \[rad\] 2 % and 5 % of the goal.
+    band_2: PerAxis<f32>,
+    band_5: PerAxis<f32>,
+    /// \[rad\], \[rad/s\] The envelope.
+    pitch: f32,
+    rate: PerAxis<f32>,
+    disturbance: u32,
+    end: u32,
+    hot: bool,
+}
+
+impl Rules {
+    /// What ticks compare with.
+    pub fn bounds(&self) -> Bounds {
+        let band = |part: f64| self.goal.map(|g| f32::from_f64(part * g.abs()));
+        Bounds {
+            goal: self.goal.cast(),
+            direction: self.goal.map(|g| f32::from_f64(g.signum())),
+            band_2: band(0.02),
+            band_5: band(0.05),
+            pitch: f32::from_f64(self.envelope.pitch),
+            rate: self.envelope.rate.cast(),
+            disturbance: self.disturbance,
+            end: self.end,
+            hot: self.hot,
+        }
+    }
+}
+
 /// The sums of a flight in every lane.
 #[derive(Debug, Clone, Copy)]
-pub struct Sums<R: Real> {
+pub struct Sums<R: Real, M = Motion<R>> {
     settling_2: PerAxis<Settling<R>>,
     overshoot: PerAxis<Overshoot<R>>,
     hold_squares: PerAxis<R>,
@@ -57,7 +96,7 @@ pub struct Sums<R: Real> {
     left_envelope: R::Mask,
     diverged: R::Mask,
     volts: PerMotor<R>,
-    guard: Guard<R>,
+    guard: Guard<R, M>,
 }
 
 /// The sums of one flight.
@@ -85,13 +124,13 @@ pub struct Flown {
     pub ended: Option<Ended>,
 }
 
-impl<R: Real<Scalar = f32>> Sums<R> {
-    fn new(rules: &Rules, guard: Guard<R>) -> Self {
+impl<R: Real<Scalar = f32>, M: BorrowMut<Motion<R>>> Sums<R, M> {
+    fn new(bounds: &Bounds, guard: Guard<R, M>) -> Self {
         let zero = PerAxis::both(R::zero());
         let none = R::Mask::splat(false);
         Self {
-            settling_2: rules.band(0.02).map(Settling::new),
-            overshoot: rules.goal.map(Overshoot::new),
+            settling_2: PerAxis::splat(bounds.band_2).map(Settling::new),
+            overshoot: PerAxis::splat(bounds.direction).map(Overshoot::towards),
             hold_squares: zero,
             disturbed_squares: zero,
             variation: R::zero(),
@@ -122,31 +161,23 @@ impl<R: Real<Scalar = f32>> Sums<R> {
     }
 }
 
-impl Rules {
-    /// \[rad\] So much of the goal, either way.
-    fn band<R: Real>(&self, part: f64) -> PerAxis<R> {
-        self.goal.map(|g| R::from_f64(part * g.abs()))
-    }
-}
-
 /// Flies to the end, unless `watch`, which is shown every tick, says that nobody waits for it. The motors'
 /// `limit` \[V\] is what the controller knows, `disturbance` \[V\] what the course's pushes are parts of;
 /// `guard` says what a board would have made of it.
 #[inline(always)]
-pub fn fly<R: Real<Scalar = f32>>(
+pub fn fly<R: Real<Scalar = f32>, M: BorrowMut<Motion<R>>>(
     mut closed_loop: RigLoop<R>,
-    guard: Guard<R>,
+    guard: Guard<R, M>,
     limit: PerMotor<R>,
     disturbance: PerMotor<R>,
-    rules: &Rules,
+    bounds: &Bounds,
     mut course: impl Course,
     mut watch: impl FnMut(u32, &Tick<R>) -> bool,
-) -> Option<Sums<R>> {
-    let envelope = rules.envelope;
-    let mut reference = Reference::at_rest(rules.goal.cast::<R>());
-    let band_5: PerAxis<R> = rules.band(0.05);
-    let mut s = Sums::new(rules, guard);
-    for tick in 0..rules.end {
+) -> Option<Sums<R, M>> {
+    let mut reference = Reference::at_rest(PerAxis::splat(bounds.goal));
+    let band_5: PerAxis<R> = PerAxis::splat(bounds.band_5);
+    let mut s = Sums::new(bounds, guard);
+    for tick in 0..bounds.end {
         if let Some(asked) = course.asked(tick) {
             reference = Reference::splat(&asked);
         }
@@ -154,10 +185,10 @@ pub fn fly<R: Real<Scalar = f32>>(
             Some(part) => disturbance.scaled(R::splat(part)),
             None => PerMotor::zero(),
         };
-        if rules.hot && tick == 1 {
+        if bounds.hot && tick == 1 {
             closed_loop.warm(R::from_f64(HOT));
         }
-        let disturbed = tick >= rules.disturbance;
+        let disturbed = tick >= bounds.disturbance;
         let happened = hidden(&mut closed_loop).tick(&reference, push);
         if !watch(tick, &happened) {
             return None;
@@ -175,7 +206,7 @@ pub fn fly<R: Real<Scalar = f32>>(
             s.overshoot.yaw.add(error.yaw);
             let outside = error.zip(band_5, |e, band| band.lt(e.abs()));
             s.outside_5 = outside.pitch | outside.yaw;
-            if tick + HOLD >= rules.disturbance {
+            if tick + HOLD >= bounds.disturbance {
                 s.hold_squares = s.hold_squares.plus(square);
                 let change = happened.applied.zip(s.volts, |v, before| (v - before).abs());
                 s.variation = s.variation + (change.main + change.tail);
@@ -187,11 +218,11 @@ pub fn fly<R: Real<Scalar = f32>>(
         let state = &happened.state;
         let far = |e: R| !e.abs().lt(R::from_f64(DIVERGED));
         s.diverged = s.diverged | far(error.pitch) | far(error.yaw);
-        let beyond = |x: R, most: f64| R::from_f64(most).lt(x.abs());
+        let beyond = |x: R, most: f32| R::splat(most).lt(x.abs());
         s.left_envelope = s.left_envelope
-            | beyond(state.angle.pitch, envelope.pitch)
-            | beyond(state.rate.pitch, envelope.rate.pitch)
-            | beyond(state.rate.yaw, envelope.rate.yaw);
+            | beyond(state.angle.pitch, bounds.pitch)
+            | beyond(state.rate.pitch, bounds.rate.pitch)
+            | beyond(state.rate.yaw, bounds.rate.yaw);
     }
     Some(s)
 }

@@ -92,7 +92,7 @@ impl<D: Driver> Card<D> {
     ) -> Result<Option<Vec<T>>, Fault> {
         let (controllers, plants) = (work.controllers.len(), work.plants.len());
         let mut parts: Vec<(usize, Vec<T>)> = Vec::new();
-        let shared = [self.driver.upload(&work.common)?, self.driver.upload(&work.course)?];
+        let course = self.driver.upload(&work.course)?;
         let plant = plant_length(work.plants);
         let mut most = MOST;
         let mut from = 0;
@@ -103,7 +103,7 @@ impl<D: Driver> Card<D> {
             let free = usize::try_from(self.driver.free()?).unwrap_or(usize::MAX);
             let part = Part::fitting(free, [plant, W], most, controllers, plants - from);
             let these = work.plants.get(from..from + part.plants).unwrap_or_default();
-            match self.part(kernel, &shared, work, these, part.controllers, stop) {
+            match self.part(kernel, &course, work, these, part.controllers, stop) {
                 Ok(Some(sums)) => {
                     parts.push((part.plants, sums));
                     from += part.plants;
@@ -127,7 +127,7 @@ impl<D: Driver> Card<D> {
     fn part<const W: usize, T: Copy + Send>(
         &self,
         kernel: &Kernel<W, T>,
-        [common, course]: &[D::Memory; 2],
+        course: &D::Memory,
         work: &Work<'_>,
         plants: &[Draw],
         controllers: usize,
@@ -147,8 +147,7 @@ impl<D: Driver> Card<D> {
             let settings = self.driver.upload(&settings)?;
             let out = self.driver.reserve(flights * W)?;
             let arguments = [
-                Argument::Words(common),
-                number(work.common.len())?,
+                Argument::Copied(&work.common),
                 Argument::Words(&settings),
                 number(settings_length)?,
                 number(each)?,

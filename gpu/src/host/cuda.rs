@@ -1,6 +1,7 @@
 //! NVIDIA's driver, found at run time, and the kernels that were there when this was built.
 
 use super::driver::{Argument, Driver, Fault};
+use crate::BLOCK;
 use cudarc::driver::{
     CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DriverError, LaunchConfig, PushKernelArg,
     sys,
@@ -14,8 +15,8 @@ use std::vec::Vec;
 /// The kernels' text, if `scripts/build-ptx.sh` had made it when this was built.
 const KERNELS: Option<&str> = include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
-/// Threads in a block. Each has up to 255 registers, and a multiprocessor 65,536.
-const BLOCK: u32 = 128;
+/// Threads that go side by side.
+const WARP: u32 = 32;
 
 /// The first card of this machine.
 #[derive(Debug)]
@@ -84,6 +85,36 @@ impl Cuda {
     }
 }
 
+/// What a kernel takes of a card, as its driver has translated it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// Registers of a thread.
+    pub registers: i32,
+    /// \[bytes\] A thread's own memory, where what finds no register is.
+    pub local: i32,
+    /// \[bytes\] Of a block's.
+    pub shared: i32,
+    /// Warps that a multiprocessor has of it at a time.
+    pub warps: u32,
+}
+
+impl Cuda {
+    /// What a kernel takes.
+    ///
+    /// # Errors
+    /// There is none of this name, or the card is lost.
+    pub fn needs(&self, kernel: &str) -> Result<Needs, Fault> {
+        let function = self.function(kernel)?;
+        let blocks = function.occupancy_max_active_blocks_per_multiprocessor(BLOCK, 0, None)?;
+        Ok(Needs {
+            registers: function.num_regs()?,
+            local: function.local_size_bytes()?,
+            shared: function.shared_size_bytes()?,
+            warps: blocks * (BLOCK / WARP),
+        })
+    }
+}
+
 impl Driver for Cuda {
     type Memory = CudaSlice<u32>;
 
@@ -113,6 +144,7 @@ impl Driver for Cuda {
         let mut launch = self.stream.launch_builder(&function);
         for argument in arguments {
             match argument {
+                Argument::Copied(words) => launch.arg(*words),
                 Argument::Words(memory) => launch.arg(*memory),
                 Argument::Number(number) => launch.arg(number),
             };

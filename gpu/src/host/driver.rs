@@ -1,5 +1,6 @@
 //! What of a card's driver is used, so that something else can stand in for it.
 
+use crate::told::COMMON;
 use std::fmt;
 use std::string::String;
 use std::vec::Vec;
@@ -28,6 +29,8 @@ impl fmt::Display for Fault {
 /// What a kernel is called with.
 #[derive(Debug)]
 pub enum Argument<'a, M> {
+    /// Words, and not where they are.
+    Copied(&'a [u32; COMMON]),
     /// The address of words on the card.
     Words(&'a M),
     /// A number.

@@ -101,10 +101,9 @@ impl Driver for StandIn {
         let left = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
         left.map_err(|_| lost("unplugged"))?;
         self.launches.fetch_add(1, Ordering::Relaxed);
-        // In the order of the kernels' parameters (`ptx.rs`): each pointer with its length behind it.
+        // In the order of the kernels' parameters (`ptx.rs`): behind each pointer its length.
         let [
-            Argument::Words(common),
-            Argument::Number(_),
+            Argument::Copied(common),
             Argument::Words(settings),
             Argument::Number(_),
             Argument::Number(each),
@@ -120,9 +119,9 @@ impl Driver for StandIn {
             return Err(lost("invalid argument"));
         };
         let read = |memory: &Memory| memory.words.lock().map(|words| words.clone()).unwrap_or_default();
-        let [common, settings, plants, course] = [common, settings, plants, course].map(|m| read(m));
+        let [settings, plants, course] = [settings, plants, course].map(|m| read(m));
         let given = Given {
-            common: &common,
+            common: *common,
             settings: &settings,
             each: *each,
             plants: &plants,
@@ -131,8 +130,8 @@ impl Driver for StandIn {
         };
         let flown = |flown: Option<Flown>| flown.map(|flown| robust::to_words(&flown).to_vec());
         let fly = |k: u32| match kernel {
-            "robust_any" => flown(robust::flight(&given, k, Some)),
-            "robust_usual" => flown(robust::flight(&given, k, robust::usual)),
+            "robust_any" => flown(robust::flight(&given, k, Some, |motion| motion)),
+            "robust_usual" => flown(robust::flight(&given, k, robust::usual, |motion| motion)),
             "integral_ideal" => integral::ideal(&given, k).map(|words| words.to_vec()),
             "integral_rig" => integral::rig(&given, k).map(|words| words.to_vec()),
             "robust_trace" => robust::trace(&given, k).map(|words| words.to_vec()),

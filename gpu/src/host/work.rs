@@ -4,8 +4,9 @@ use super::card::unsaid;
 use super::driver::Fault;
 use super::written;
 use crate::integral::{self, INSTANT};
-use crate::robust::{CHANGE, Common};
+use crate::told::{Belief, CHANGE, COMMON, Common, Instruments};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::vec::Vec;
 use twinrotor::SAMPLE_TIME;
 use twinrotor::axes::{PerAxis, PerMotor};
@@ -18,7 +19,7 @@ use twinrotor_sim::device::{Batch, Change, Draw, Instant, Integrals};
 /// Every controller on every plant.
 pub(super) struct Work<'a> {
     /// What all have in common.
-    pub(super) common: Vec<u32>,
+    pub(super) common: [u32; COMMON],
     /// What happens in each flight.
     pub(super) course: Vec<u32>,
     /// Each controller.
@@ -29,9 +30,18 @@ pub(super) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub(super) fn of_batch(batch: &Batch<'a>) -> Result<Self, Fault> {
+        let belief = batch.controllers.first().map(Belief::of);
+        let belief = belief.ok_or_else(|| unsaid("there is no controller"))?;
+        if batch.controllers.iter().any(|settings| Belief::of(settings) != belief) {
+            return Err(unsaid("controllers believe in different rigs"));
+        }
         Ok(Self {
-            common: written(&Common::new(&batch.rules, &batch.hardware)).map_err(unsaid)?,
-            course: batch.course.iter().flat_map(change_words).collect(),
+            common: filled(&Common {
+                bounds: batch.rules.bounds(),
+                instruments: Instruments::new(&batch.hardware),
+                belief,
+            })?,
+            course: course_words(batch),
             controllers: batch.controllers.iter().map(written).collect::<Result<_, _>>().map_err(unsaid)?,
             plants: batch.plants,
         })
@@ -55,7 +65,7 @@ impl<'a> Work<'a> {
         // The bound goes before its controller.
         let controller = |(settings, bound): &(_, f64)| written(&(*bound, settings));
         Ok(Self {
-            common: written(&common).map_err(unsaid)?,
+            common: filled(&common)?,
             course: work.course.iter().flat_map(instant_words).collect(),
             controllers: work.candidates.iter().map(controller).collect::<Result<_, _>>().map_err(unsaid)?,
             plants: plant,
@@ -74,10 +84,31 @@ fn instant_words(instant: &Instant) -> [u32; INSTANT] {
     [instant.tick, a, b, c, d, e, f, main, tail]
 }
 
-fn change_words(change: &Change) -> [u32; CHANGE] {
-    let [a, b, c, d, e, f] = reference_words(&change.asked.unwrap_or_default());
-    let flags = u32::from(change.asked.is_some()) | u32::from(change.push.is_some()) << 1;
-    [change.tick, flags, a, b, c, d, e, f, change.push.unwrap_or(0.0).to_bits()]
+/// The changes of a course, the first in tick 0, each with all that is asked for from then on.
+fn course_words(batch: &Batch<'_>) -> Vec<u32> {
+    let mut asked = Reference::at_rest(batch.rules.goal.cast());
+    let begins = batch.course.first().is_some_and(|change| change.tick == 0);
+    let before = (!begins).then_some(Change { tick: 0, asked: None, push: None });
+    let words = |change: &Change| {
+        asked = change.asked.unwrap_or(asked);
+        change_words(change.tick, &asked, change.push)
+    };
+    before.iter().chain(batch.course).flat_map(words).collect()
+}
+
+fn change_words(tick: u32, asked: &Reference<f32>, push: Option<f32>) -> [u32; CHANGE as usize] {
+    let [a, b, c, d, e, f] = reference_words(asked);
+    [tick, u32::from(push.is_some()), push.unwrap_or(0.0).to_bits(), a, b, c, d, e, f]
+}
+
+/// Words that are short of room for what all flights have in common, and zeros.
+fn filled(common: &impl Serialize) -> Result<[u32; COMMON], Fault> {
+    let words = written(common).map_err(unsaid)?;
+    let mut room = [0; COMMON];
+    room.get_mut(..words.len())
+        .ok_or_else(|| unsaid("what flights share is too long"))?
+        .copy_from_slice(&words);
+    Ok(room)
 }
 
 /// A plant's numbers, in the order in which a thread reads them.

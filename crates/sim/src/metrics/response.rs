@@ -29,7 +29,12 @@ pub struct Overshoot<R> {
 impl<R: Real> Overshoot<R> {
     /// Of a step whose sign is that of `step`.
     pub fn new(step: f64) -> Self {
-        Self { direction: R::from_f64(step.signum()), most: R::zero() }
+        Self::towards(R::from_f64(step.signum()))
+    }
+
+    /// Of a step upwards for a `direction` of 1, downwards for -1.
+    pub fn towards(direction: R) -> Self {
+        Self { direction, most: R::zero() }
     }
 
     /// Takes an error \[rad\]: beyond a goal that lies upwards it is negative.

@@ -90,7 +90,7 @@ impl Kernel for Flights<'_> {
     #[inline(always)]
     fn run<R: Real<Scalar = f32>>(self) -> Option<Vec<Flown>> {
         let limit = self.settings.volts_limit.map(R::splat);
-        let rules = self.course.rules(self.truth.envelope);
+        let bounds = self.course.rules(self.truth.envelope).bounds();
         let (flown, disturbance) = (self.closed_loop::<R>(), self.disturbance::<R>());
         let guard = Guard::new(&self.settings.map(R::splat), &self.hardware);
         let sums = fly(
@@ -98,7 +98,7 @@ impl Kernel for Flights<'_> {
             guard,
             limit,
             disturbance,
-            &rules,
+            &bounds,
             self.course,
             #[inline(always)]
             |tick, _| !(tick % ASK_EVERY == 0 && (self.stop)()),
