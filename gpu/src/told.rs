@@ -41,7 +41,7 @@ impl Belief {
     pub(crate) fn within(self, settings: Settings<f32>) -> Option<Settings<f32>> {
         let sample_time = f32::from_f64(SAMPLE_TIME);
         let Self { effectiveness, volts_limit } = self;
-        let same = settings.sample_time == sample_time && Self::of(&settings) == self;
+        let same = (settings.sample_time, Self::of(&settings)) == (sample_time, self);
         same.then_some(Settings { sample_time, effectiveness, volts_limit, ..settings })
     }
 }
