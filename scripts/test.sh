@@ -4,21 +4,21 @@
 # `#[ignore = "long: ..."]`, each of which repeats with more cases what a shorter one proves, and with the
 # images of the firmware that they alone fly.
 set -euo pipefail
-host=yes
-board=
+on_the_host=yes
+on_the_board=
 long=()
 case "${1:-}" in
   "") ;;
-  --board) host="" board=yes ;;
-  --all) board=yes long=(-- --include-ignored) ;;
+  --board) on_the_host="" on_the_board=yes ;;
+  --all) on_the_board=yes long=(-- --include-ignored) ;;
   *) echo "usage: $0 [--board | --all]" >&2; exit 2 ;;
 esac
 cd "$(dirname "$0")/.."
 . scripts/stage.sh
 . scripts/programs.sh
 
-[ -z "$host" ] || stage "tests on the host" cargo test "${tested[@]}" "${long[@]}"
-[ -n "$board" ] || exit 0
+[ -z "$on_the_host" ] || stage "tests on the host" cargo test "${tested[@]}" "${long[@]}"
+[ -n "$on_the_board" ] || exit 0
 
 # The firmware needs a compiler for the board; everything else stays on the default one.
 toolchain="$(scripts/setup-target.sh)"
