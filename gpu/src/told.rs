@@ -8,7 +8,7 @@ use twinrotor::pipeline::Settings;
 use twinrotor::plant::Effectiveness;
 use twinrotor::real::Real as _;
 use twinrotor::reference::Reference;
-use twinrotor_sim::closed_loop::Fittings;
+use twinrotor_sim::fittings::Fittings;
 use twinrotor_sim::judged::{Bounds, Course};
 
 /// What all flights of a launch have in common.

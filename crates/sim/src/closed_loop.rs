@@ -6,10 +6,11 @@
 
 pub use twinrotor::bench::Hardware;
 
+use crate::fittings::Fittings;
 #[cfg(feature = "std")]
 use crate::scenario::Now;
 use twinrotor::axes::{PerAxis, PerMotor};
-use twinrotor::bench::{Bench, Encoders, Wear, Worn, counts_per_angle};
+use twinrotor::bench::{Bench, Encoders, Worn};
 use twinrotor::control_loop::{ControlLoop, Inputs, OperatorCommand, Outputs};
 use twinrotor::drive::Drive;
 use twinrotor::encoder::{CounterWidth, angle_per_count};
@@ -139,44 +140,6 @@ pub struct RigLoop<R> {
     supply: R,
     worn: Worn<R>,
     latched: PerMotor<R>,
-}
-
-/// What a closed loop has of a rig's hardware.
-pub trait Fittings<R> {
-    /// \[counts/rad\] Of the encoders.
-    fn counts_per_angle(&self) -> PerAxis<R>;
-    /// \[rad\] As the controller has it.
-    fn angle_per_count(&self) -> PerAxis<R>;
-    /// Compare steps between zero and full voltage.
-    fn pwm_steps(&self) -> u32;
-    /// \[V\] Supply of the amplifiers.
-    fn supply(&self) -> R;
-    /// What is worn.
-    fn wear(&self) -> Wear;
-}
-
-impl<R: Real> Fittings<R> for Hardware {
-    #[inline(always)]
-    fn counts_per_angle(&self) -> PerAxis<R> {
-        self.encoder_counts.map(counts_per_angle)
-    }
-
-    #[inline(always)]
-    fn angle_per_count(&self) -> PerAxis<R> {
-        self.believed_counts.map(angle_per_count)
-    }
-
-    fn pwm_steps(&self) -> u32 {
-        self.pwm_steps
-    }
-
-    fn supply(&self) -> R {
-        R::from_f64(self.supply)
-    }
-
-    fn wear(&self) -> Wear {
-        self.wear
-    }
 }
 
 impl<R: Real> RigLoop<R> {

@@ -17,7 +17,8 @@
 //! Heat ends no flight: what the motors can take limits their volts
 //! ([`CurrentLimit`](twinrotor::allocation::CurrentLimit)).
 
-use crate::closed_loop::{ARMS, Fittings, Tick, limits};
+use crate::closed_loop::{ARMS, Tick, limits};
+use crate::fittings::Fittings;
 use crate::judged::Ended;
 use core::borrow::BorrowMut;
 use twinrotor::axes::{PerAxis, PerMotor};

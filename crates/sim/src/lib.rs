@@ -19,6 +19,7 @@ pub mod closed_loop;
 pub mod device;
 #[cfg(feature = "std")]
 pub mod error;
+pub mod fittings;
 #[cfg(feature = "std")]
 pub mod flight;
 #[cfg(feature = "std")]
