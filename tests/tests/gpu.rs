@@ -4,6 +4,7 @@ use std::sync::Arc;
 use twinrotor::axes::{PerAxis, PerMotor};
 use twinrotor::bench::Hardware;
 use twinrotor::pipeline::Settings;
+use twinrotor::plant::presets::Rig;
 use twinrotor::plant::{RealPlant, State, presets};
 use twinrotor::real::Real as _;
 use twinrotor::reference::Reference;
@@ -184,6 +185,28 @@ fn a_trace_is_of_every_tick() {
     // Until something else is asked for, the goal is.
     let pushed = Batch { course: &batch.course[1..], ..batch };
     assert_eq!(card.traces(&pushed), hashes);
+}
+
+/// What the controllers of a launch believe of the rig is told once for all of them.
+#[test]
+fn controllers_that_believe_in_different_rigs_are_refused_and_none_is_no_work() {
+    let trial = Trial::new(&presets::AERO2, 2, 5, 1.0);
+    let settings = |rig: &Rig| Settings::new(rig, defaults::AERO2, SAMPLE_TIME).map(f32::from_f64);
+    let weaker = Rig { volts_limit: PerMotor::both(9.0), ..presets::AERO2 };
+    let controllers = [settings(&presets::AERO2), settings(&weaker)];
+    let (goal, envelope) = (trial.step, trial.rig.envelope);
+    let batch = |controllers| Batch {
+        rules: Rules { goal, envelope, disturbance: 20, end: 30, hot: false },
+        course: &[],
+        hardware: Hardware::of(&trial.rig, PerAxis::both(0.5)),
+        controllers,
+        plants: &trial.plants,
+    };
+    let card = Card::new(StandIn::default());
+    assert_eq!(card.fly(&batch(&[]), NEVER), Some(Vec::new()));
+    assert!(card.fly(&batch(&controllers[..1]), NEVER).is_some_and(|flown| flown.len() == 2));
+    assert_eq!(card.fly(&batch(&controllers), NEVER), None);
+    assert!(card.failure().is_some_and(|why| why.to_string().contains("believe in different rigs")));
 }
 
 /// What befalls more than volts is flown by this processor.

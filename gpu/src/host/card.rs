@@ -177,6 +177,9 @@ impl<D: Driver> Card<D> {
 
 impl<D: Driver> Device for Card<D> {
     fn fly(&self, batch: &Batch<'_>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Flown>> {
+        if batch.controllers.is_empty() {
+            return Some(Vec::new());
+        }
         let flies = |settings: &Settings<f32>| !matches!(settings.controller.law, LawSettings::StateSpace(_));
         let work = if batch.controllers.iter().all(flies) {
             Work::of_batch(batch)
