@@ -20,7 +20,7 @@
 //!   is limited follows slowly; a loop that asks for its full stiffness there swings for ever, and keeps the
 //!   motors hot by doing so. With the error bounded the damping outweighs the stiffness in large swings, they
 //!   die, and the motors cool. While a setpoint moves by itself, it shrinks as late as the motion does;
-//!   where no heat is known that would bound it, it is a third of the reach then (`MOVING_ERROR`), since who
+//!   where no heat is known that would bound it, it is .35 of the reach then (`MOVING_ERROR`), since who
 //!   is a whole reach beyond a goal that turns has too little of the way left to be caught on. While the
 //!   bound is in force the rig has been left behind: of any motion less is asked for (`SLOWING`), and in full
 //!   again only after `RECOVERY` seconds.
